@@ -1,0 +1,5 @@
+//! Synchronous discrete element engine of Sturz.
+
+pub mod math;
+pub mod narrow;
+pub mod shape;

@@ -1,0 +1,105 @@
+//! What a narrow-phase test answers: contact points with their own normals, in the frame of `a`.
+
+use crate::math::Vec3;
+
+/// Most points that one pair of parts may have; shapes with larger faces are refused when they are built.
+pub const MAX_POINTS: usize = 64;
+
+/// Names the pair of features that a contact point lies on, the same whichever part was the reference.
+///
+/// Kept from step to step, it is what the tangential spring is carried by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct FeatureKey(pub u32);
+
+impl FeatureKey {
+    const KIND_SHIFT: u32 = 30;
+
+    /// The one point of a pair of smooth parts (or the k-th of several).
+    pub const fn point(k: u32) -> Self {
+        Self(k)
+    }
+
+    /// A vertex of `a` on a face of `b`.
+    pub const fn vertex_of_a(vertex: u32) -> Self {
+        Self((1 << Self::KIND_SHIFT) | vertex)
+    }
+
+    /// A vertex of `b` on a face of `a`.
+    pub const fn vertex_of_b(vertex: u32) -> Self {
+        Self((2 << Self::KIND_SHIFT) | vertex)
+    }
+
+    /// An edge of `a` crossing an edge of `b` (both below 2^15).
+    pub const fn edges(edge_a: u32, edge_b: u32) -> Self {
+        Self((3 << Self::KIND_SHIFT) | (edge_a << 15) | edge_b)
+    }
+
+    /// 0 point, 1 vertex of a, 2 vertex of b, 3 edge pair.
+    pub const fn kind(self) -> u32 {
+        self.0 >> Self::KIND_SHIFT
+    }
+}
+
+/// One contact point. Lengths in the unit of the frame of `a`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManifoldPoint {
+    /// Halfway between the two surfaces, in the frame of `a`.
+    pub position: Vec3,
+    /// Unit normal from `a` to `b`, in the frame of `a`.
+    pub normal: Vec3,
+    /// Positive when touching.
+    pub overlap: f64,
+    /// Tributary length (or 1 where there is none): a face contact's points share by it, continuous in the pose.
+    pub share: f64,
+    /// Which features touch.
+    pub feature: FeatureKey,
+}
+
+/// The points of one pair of parts; a fixed buffer, reused without allocation.
+#[derive(Clone, Debug)]
+pub struct Manifold {
+    points: [ManifoldPoint; MAX_POINTS],
+    len: usize,
+}
+
+impl Default for Manifold {
+    fn default() -> Self {
+        let empty = ManifoldPoint {
+            position: Vec3::zeros(),
+            normal: Vec3::zeros(),
+            overlap: 0.0,
+            share: 0.0,
+            feature: FeatureKey(0),
+        };
+        Self { points: [empty; MAX_POINTS], len: 0 }
+    }
+}
+
+impl Manifold {
+    /// Forgets all points.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// The points.
+    #[inline]
+    pub fn points(&self) -> &[ManifoldPoint] {
+        &self.points[..self.len]
+    }
+
+    /// The points, to be changed in place.
+    #[inline]
+    pub fn points_mut(&mut self) -> &mut [ManifoldPoint] {
+        &mut self.points[..self.len]
+    }
+
+    /// Adds a point; beyond [`MAX_POINTS`] (which shapes exclude) it is dropped.
+    #[inline]
+    pub fn push(&mut self, point: ManifoldPoint) {
+        if self.len < MAX_POINTS {
+            self.points[self.len] = point;
+            self.len += 1;
+        }
+    }
+}
