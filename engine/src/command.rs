@@ -1,0 +1,42 @@
+//! The closed set of changes that a client may ask of a running engine.
+
+use crate::scene::{InsertionDescription, MotionDescription};
+
+/// A change, applied between two steps: wholly or not at all.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Adds particles.
+    Insert(InsertionDescription),
+    /// Removes particles by id.
+    Remove(Vec<u64>),
+    /// Sets the acceleration of gravity, m/s2.
+    SetGravity([f64; 3]),
+    /// Gives a boundary another motion, from the present time on.
+    SetMotion {
+        /// Name of the boundary.
+        boundary: String,
+        /// Its motion.
+        motion: MotionDescription,
+    },
+}
+
+/// What an applied command did.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Particles with consecutive ids were added.
+    Inserted {
+        /// Lowest new id (the next unused one when `count` is 0).
+        first_id: u64,
+        /// How many.
+        count: u64,
+    },
+    /// Particles were removed.
+    Removed {
+        /// How many.
+        count: u64,
+    },
+    /// Gravity was set.
+    GravitySet,
+    /// The motion was set.
+    MotionSet,
+}

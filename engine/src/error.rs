@@ -1,0 +1,62 @@
+//! The engine's errors: what is wrong with an input, and why a step was refused.
+
+use thiserror::Error;
+
+/// Something in a scene or a command that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{path}: {problem}")]
+pub struct InvalidInput {
+    /// Path into the input, such as `material_pair[1].stiffness_n_per_m`.
+    pub path: String,
+    /// What is wrong, and what is allowed.
+    pub problem: String,
+}
+
+impl InvalidInput {
+    /// An error at `path`.
+    pub fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { path: path.into(), problem: problem.into() }
+    }
+}
+
+/// Everything that is wrong with a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct InvalidScene(pub Vec<InvalidInput>);
+
+/// Why the run cannot go on; the state is the one after the failing step and can still be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum StepError {
+    /// A number became infinite or not a number.
+    #[error("particle {id} has a non-finite {quantity} after step {step}: reduce time_step_s, or look for a collision that is too violent for the stiffness")]
+    NonFinite {
+        /// The particle.
+        id: u64,
+        /// What is not finite.
+        quantity: &'static str,
+        /// The step.
+        step: u64,
+    },
+    /// Two particles overlap too much.
+    #[error("particle {a} overlaps {b} by {:.1} % of its bounding radius at step {step} (limit {:.1} %): reduce time_step_s or raise stiffness_n_per_m", ratio * 100.0, limit * 100.0)]
+    ExcessiveOverlap {
+        /// The particle.
+        a: u64,
+        /// What it overlaps: `particle 12` or `boundary "floor"`.
+        b: String,
+        /// Overlap over the smaller bounding radius.
+        ratio: f64,
+        /// The limit of the scene.
+        limit: f64,
+        /// The step.
+        step: u64,
+    },
+    /// The run failed earlier and must not go on.
+    #[error("the run stopped at step {step}: {reason}")]
+    Stopped {
+        /// Step of the failure.
+        step: u64,
+        /// Its message.
+        reason: String,
+    },
+}

@@ -1,0 +1,5 @@
+//! Coarse-grained fields.
+
+mod definition;
+
+pub use definition::{FieldColumn, FieldDefinition, FieldFrame, FieldQuantity, Grid};

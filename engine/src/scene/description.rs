@@ -1,0 +1,428 @@
+//! The scene as a user writes it: raw, not yet proved usable. [`super::Scene::validate`] proves it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::fields::FieldDefinition;
+use crate::shape::ShapeDescription;
+
+/// A whole scene file. SI units, radians unless the key says otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneDescription {
+    /// Name, gravity, time step, seed.
+    pub scene: SceneSection,
+    /// Extent and periodic axes.
+    #[serde(default)]
+    pub domain: DomainSection,
+    /// How contacts are shared and ended.
+    #[serde(default)]
+    pub contact: ContactSection,
+    /// How motion is integrated.
+    #[serde(default)]
+    pub integrator: IntegratorSection,
+    /// Materials of particles and boundaries.
+    #[serde(default, rename = "material")]
+    pub materials: Vec<MaterialDescription>,
+    /// Contact parameters of each pair of materials that may meet.
+    #[serde(default, rename = "material_pair")]
+    pub material_pairs: Vec<MaterialPairDescription>,
+    /// Shapes that particles may have.
+    #[serde(default, rename = "shape")]
+    pub shapes: Vec<NamedShapeDescription>,
+    /// Walls and drums.
+    #[serde(default, rename = "boundary")]
+    pub boundaries: Vec<BoundaryDescription>,
+    /// Particles that are there from the start.
+    #[serde(default, rename = "insertion")]
+    pub insertions: Vec<InsertionDescription>,
+    /// Coarse-grained fields that clients may ask for by name.
+    #[serde(default, rename = "field")]
+    pub fields: Vec<FieldDefinition>,
+    /// What the daemon publishes, and how often.
+    #[serde(default)]
+    pub output: OutputSection,
+    /// When `sturz run` ends.
+    #[serde(default)]
+    pub stop: StopSection,
+}
+
+/// `[scene]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSection {
+    /// Name shown to users.
+    pub name: String,
+    /// One sentence for `sturz scenes`.
+    #[serde(default)]
+    pub description: String,
+    /// Acceleration of gravity.
+    #[serde(default)]
+    pub gravity_m_per_s2: [f64; 3],
+    /// Time step. Give this or `time_step_fraction`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step_s: Option<f64>,
+    /// Time step as a fraction of the critical one, in (0, 1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step_fraction: Option<f64>,
+    /// Seed of everything random.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// `[domain]`
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DomainSection {
+    /// Lower corner; needed along periodic axes.
+    #[serde(default)]
+    pub min_m: [f64; 3],
+    /// Upper corner; needed along periodic axes.
+    #[serde(default)]
+    pub max_m: [f64; 3],
+    /// Which of x, y, z are periodic.
+    #[serde(default)]
+    pub periodic: [bool; 3],
+}
+
+/// How the points of one manifold share the stiffness of the pair (PHYSICS.md A.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Sharing {
+    /// f_i = w_i k d_i, weights continuous in the pose and of sum 1.
+    #[default]
+    PerPoint,
+    /// f_i = k d_i / N, N the number of touching points (Rakotonirina et al. 2019, model B).
+    ModelB,
+}
+
+/// When a damped contact ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactEnd {
+    /// The normal force never attracts; it is clipped at zero.
+    #[default]
+    Clip,
+    /// The dashpot may attract until the overlap is zero.
+    Tension,
+}
+
+/// Law of the tangential force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Tangential {
+    /// Spring with history, kept in the Coulomb cone.
+    #[default]
+    CoulombHistory,
+    /// No tangential force, and no history.
+    None,
+}
+
+/// `[contact]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ContactSection {
+    /// Sharing over several points.
+    pub sharing: Sharing,
+    /// End of contact.
+    pub contact_end: ContactEnd,
+    /// Tangential law.
+    pub tangential: Tangential,
+    /// Neighbour skin over the smallest bounding diameter; chosen by the engine when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skin_fraction: Option<f64>,
+    /// The run stops when an overlap exceeds this part of the smaller bounding radius.
+    pub overlap_limit: f64,
+}
+
+impl Default for ContactSection {
+    fn default() -> Self {
+        Self {
+            sharing: Sharing::default(),
+            contact_end: ContactEnd::default(),
+            tangential: Tangential::default(),
+            skin_fraction: None,
+            overlap_limit: 0.3,
+        }
+    }
+}
+
+/// Scheme of the rotational motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RotationScheme {
+    /// Omelyan's revised leapfrog in the angular momentum.
+    #[default]
+    Omelyan,
+}
+
+/// `[integrator]`
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct IntegratorSection {
+    /// Scheme of the rotational motion.
+    pub rotation: RotationScheme,
+}
+
+/// `[[material]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialDescription {
+    /// Name, used by insertions, boundaries and pairs.
+    pub name: String,
+    /// Needed by materials of particles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density_kg_per_m3: Option<f64>,
+}
+
+/// `[[material_pair]]`: linear spring, dashpot and Coulomb friction between two materials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialPairDescription {
+    /// The two materials (may be the same).
+    pub materials: [String; 2],
+    /// Normal stiffness of a single contact point.
+    pub stiffness_n_per_m: f64,
+    /// Coefficient of restitution in (0, 1]; give this or `damping_n_s_per_m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restitution: Option<f64>,
+    /// Raw normal dashpot coefficient.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_n_s_per_m: Option<f64>,
+    /// Coulomb coefficient of sliding friction.
+    #[serde(default)]
+    pub friction: f64,
+    /// Tangential over normal stiffness.
+    #[serde(default = "default_tangential_stiffness_ratio")]
+    pub tangential_stiffness_ratio: f64,
+    /// Tangential over normal dashpot coefficient; the square root of the stiffness ratio when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tangential_damping_ratio: Option<f64>,
+}
+
+fn default_tangential_stiffness_ratio() -> f64 {
+    2.0 / 7.0
+}
+
+/// `[[shape]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NamedShapeDescription {
+    /// Name, used by insertions.
+    pub name: String,
+    /// The geometry.
+    pub geometry: ShapeDescription,
+}
+
+/// `[[boundary]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundaryDescription {
+    /// Name, used by `set_motion`.
+    pub name: String,
+    /// Material of its surface.
+    pub material: String,
+    /// What it is.
+    pub geometry: BoundaryGeometry,
+    /// How it moves; fixed when absent.
+    #[serde(default)]
+    pub motion: MotionDescription,
+}
+
+/// Geometry of a boundary.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum BoundaryGeometry {
+    /// Half-space; particles live on the side that `normal` points to.
+    Plane {
+        /// A point of the plane.
+        point_m: [f64; 3],
+        /// Towards the particles; need not be of unit length.
+        normal: [f64; 3],
+    },
+    /// Inside of an infinite circular cylinder (drum).
+    CylinderInside {
+        /// A point of the axis.
+        point_m: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius.
+        radius_m: f64,
+    },
+}
+
+/// Angular velocity as a function of time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum AngularVelocity {
+    /// The same at all times.
+    Constant {
+        /// Value.
+        rad_per_s: f64,
+    },
+    /// From the angular velocity at the time of the command, linearly to `rad_per_s`, then constant.
+    Ramp {
+        /// Final value.
+        rad_per_s: f64,
+        /// Duration of the ramp.
+        duration_s: f64,
+    },
+}
+
+/// Prescribed motion of a boundary.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum MotionDescription {
+    /// At rest.
+    #[default]
+    Fixed,
+    /// Rotation about an axis through a point.
+    Rotation {
+        /// A point of the axis.
+        point_m: [f64; 3],
+        /// Direction of the axis (right-hand rule).
+        axis: [f64; 3],
+        /// Angular velocity as a function of time.
+        angular_velocity: AngularVelocity,
+    },
+    /// Translation at constant velocity.
+    Translation {
+        /// Velocity.
+        velocity_m_per_s: [f64; 3],
+    },
+}
+
+/// Where random insertion places particles: wholly inside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Region {
+    /// Axis-aligned box.
+    Box {
+        /// Lower corner.
+        min_m: [f64; 3],
+        /// Upper corner.
+        max_m: [f64; 3],
+    },
+    /// Solid circular cylinder.
+    Cylinder {
+        /// Centre of one end.
+        point_m: [f64; 3],
+        /// Direction from that end to the other.
+        axis: [f64; 3],
+        /// Radius.
+        radius_m: f64,
+        /// Distance of the ends.
+        length_m: f64,
+    },
+}
+
+/// Where the inserted particles go.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "method", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Placement {
+    /// Given poses (of the shape's given frame); overlap is not checked.
+    Poses {
+        /// Positions, one per particle.
+        positions_m: Vec<[f64; 3]>,
+        /// Orientations `world_from_body` (w, x, y, z), one per particle; unrotated when empty.
+        #[serde(default)]
+        orientations_wxyz: Vec<[f64; 4]>,
+    },
+    /// Nodes of a lattice.
+    Lattice {
+        /// First node.
+        origin_m: [f64; 3],
+        /// Distance of nodes along each axis.
+        spacing_m: [f64; 3],
+        /// Nodes along each axis.
+        counts: [u32; 3],
+        /// Random instead of unrotated orientations.
+        #[serde(default)]
+        random_orientation: bool,
+    },
+    /// Random positions and orientations without overlap with particles or boundaries.
+    Random {
+        /// Where.
+        region: Region,
+        /// How many. Give this or `solid_fraction`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        count: Option<u32>,
+        /// Until the new particles fill this part of the region. Give this or `count`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        solid_fraction: Option<f64>,
+        /// Unrotated instead of random orientations.
+        #[serde(default)]
+        fixed_orientation: bool,
+        /// Attempts per particle before the insertion is refused.
+        #[serde(default = "default_attempts")]
+        attempts: u32,
+    },
+}
+
+fn default_attempts() -> u32 {
+    2000
+}
+
+/// Homothety of the inserted particles, uniform in [min, max].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScaleRange {
+    /// Smallest factor.
+    pub min: f64,
+    /// Largest factor.
+    pub max: f64,
+}
+
+impl Default for ScaleRange {
+    fn default() -> Self {
+        Self { min: 1.0, max: 1.0 }
+    }
+}
+
+/// `[[insertion]]`, and the body of the command `insert`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InsertionDescription {
+    /// Name of the shape.
+    pub shape: String,
+    /// Name of the material.
+    pub material: String,
+    /// Where.
+    pub placement: Placement,
+    /// Initial velocity of every particle.
+    #[serde(default)]
+    pub velocity_m_per_s: [f64; 3],
+    /// Initial angular velocity of every particle, in world axes.
+    #[serde(default)]
+    pub angular_velocity_rad_per_s: [f64; 3],
+    /// Sizes relative to the shape.
+    #[serde(default)]
+    pub scale: ScaleRange,
+}
+
+/// `[output]`: defaults of the daemon's streams.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputSection {
+    /// Most state frames per wall second.
+    pub state_rate_hz: f64,
+    /// Most field frames per wall second.
+    pub field_rate_hz: f64,
+    /// Reports per wall second.
+    pub report_rate_hz: f64,
+}
+
+impl Default for OutputSection {
+    fn default() -> Self {
+        Self { state_rate_hz: 10.0, field_rate_hz: 5.0, report_rate_hz: 2.0 }
+    }
+}
+
+/// `[stop]`
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StopSection {
+    /// Simulated time at which `sturz run` ends and `sturz serve` pauses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
+}
