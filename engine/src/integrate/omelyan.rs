@@ -6,7 +6,7 @@
 //! Source: I. P. Omelyan, Phys. Rev. E 58 (1998) 1169; Descantes, Powder Technol. 401 (2022) 117295, eq. 10-11 (its
 //! eq. 7 is for another frame: PHYSICS.md F1).
 
-use crate::math::{Quat, Vec3};
+use crate::math::{Mat3, Quat, Vec3};
 
 /// Angular velocity of the middle of the step and whether it converged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,21 +17,44 @@ pub struct HalfStep {
     pub converged: bool,
 }
 
-const MOST_ITERATIONS: usize = 60;
+const FIXED_POINT_ITERATIONS: usize = 10;
+const NEWTON_ITERATIONS: usize = 20;
 
-/// Solves the implicit equation by fixed-point iteration from the explicit value.
+/// Solves the implicit equation: fixed point from the explicit value (three iterations at usual steps), and Newton
+/// where a large turn makes that slow.
 #[inline]
 pub fn middle_angular_velocity(angular_momentum_in_body: &Vec3, inertia: &Vec3, dt: f64) -> HalfStep {
     let start = angular_momentum_in_body.component_div(inertia);
+    let half = 0.5 * dt;
+    let next = |w: &Vec3| start + inertia.component_mul(w).cross(w).component_div(inertia) * half;
     let mut w = start;
-    for _ in 0..MOST_ITERATIONS {
-        let gyroscopic = inertia.component_mul(&w).cross(&w).component_div(inertia);
-        let next = start + gyroscopic * (0.5 * dt);
-        let change2 = (next - w).norm_squared();
-        w = next;
-        if change2 <= 1e-30 * w.norm_squared() {
+    for _ in 0..FIXED_POINT_ITERATIONS {
+        let improved = next(&w);
+        let change2 = (improved - w).norm_squared();
+        w = improved;
+        if change2 <= 1e-31 * w.norm_squared() {
             return HalfStep { angular_velocity_in_body: w, converged: true };
         }
+    }
+    newton(w, next, inertia, half)
+}
+
+/// Newton's method until the correction no longer shrinks below a few last bits.
+#[cold]
+fn newton(mut w: Vec3, next: impl Fn(&Vec3) -> Vec3, inertia: &Vec3, half: f64) -> HalfStep {
+    let tensor = Mat3::from_diagonal(inertia);
+    let inverse = Mat3::from_diagonal(&inertia.map(|i| half / i));
+    let mut last2 = f64::INFINITY;
+    for _ in 0..NEWTON_ITERATIONS {
+        let slope = inertia.component_mul(&w).cross_matrix() - w.cross_matrix() * tensor;
+        let Some(jacobian) = (Mat3::identity() - inverse * slope).try_inverse() else { break };
+        let correction = jacobian * (next(&w) - w);
+        w += correction;
+        let (change2, size2) = (correction.norm_squared(), w.norm_squared());
+        if change2 <= 1e-31 * size2 || (change2 >= last2 && change2 <= 1e-27 * size2) {
+            return HalfStep { angular_velocity_in_body: w, converged: true };
+        }
+        last2 = change2;
     }
     HalfStep { angular_velocity_in_body: w, converged: false }
 }

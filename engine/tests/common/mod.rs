@@ -1,0 +1,108 @@
+//! Scenes of the tests.
+#![allow(dead_code)]
+
+use sturz_engine::Engine;
+use sturz_engine::scene::{Scene, SceneDescription};
+
+/// Starts a scene from text.
+pub fn engine(text: &str) -> Engine {
+    let description = SceneDescription::from_toml(text).unwrap_or_else(|error| panic!("{error}"));
+    Engine::new(Scene::validate(description).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// Does `n` steps.
+pub fn steps(engine: &mut Engine, n: u64) {
+    engine.in_pool(|engine| (0..n).for_each(|_| engine.step().unwrap_or_else(|error| panic!("{error}"))));
+}
+
+/// Steps to the time, exactly.
+pub fn run_for(engine: &mut Engine, duration_s: f64) {
+    let n = engine.begin_window(duration_s).unwrap();
+    steps(engine, n);
+    engine.end_window();
+}
+
+/// Header of a scene with one material `m` (density 2500) on itself and on a wall material `w`.
+pub fn header(gravity: [f64; 3], dt: f64, contact: &str, pair: &str) -> String {
+    format!(
+        r#"
+[scene]
+name = "test"
+gravity_m_per_s2 = {gravity:?}
+time_step_s = {dt:?}
+[contact]
+{contact}
+[[material]]
+name = "m"
+density_kg_per_m3 = 2500.0
+[[material]]
+name = "w"
+[[material_pair]]
+materials = ["m", "m"]
+{pair}
+[[material_pair]]
+materials = ["m", "w"]
+{pair}
+"#
+    )
+}
+
+/// A shape named `s`.
+pub fn shape(geometry: &str) -> String {
+    format!("[[shape]]\nname = \"s\"\ngeometry = {{ {geometry} }}\n")
+}
+
+/// A plane through `point` with `normal`.
+pub fn plane(name: &str, point: [f64; 3], normal: [f64; 3]) -> String {
+    format!(
+        "[[boundary]]\nname = \"{name}\"\nmaterial = \"w\"\ngeometry = {{ kind = \"plane\", point_m = {point:?}, normal = {normal:?} }}\n"
+    )
+}
+
+/// One particle of shape `s`.
+pub fn particle(position: [f64; 3], velocity: [f64; 3], rate: [f64; 3]) -> String {
+    format!(
+        "[[insertion]]\nshape = \"s\"\nmaterial = \"m\"\nvelocity_m_per_s = {velocity:?}\nangular_velocity_rad_per_s = {rate:?}\nplacement = {{ method = \"poses\", positions_m = [{position:?}] }}\n"
+    )
+}
+
+/// 3D crosses in a drum that is periodic along its axis and turns: every part of the engine at work.
+pub fn drum(count: u32) -> String {
+    let beam = 5.1417e-3;
+    format!(
+        r#"
+[scene]
+name = "drum"
+gravity_m_per_s2 = [0.0, 0.0, -9.81]
+time_step_s = 2e-5
+seed = 3
+[domain]
+min_m = [0.0, -0.012, 0.0]
+max_m = [0.0, 0.012, 0.0]
+periodic = [false, true, false]
+[[material]]
+name = "m"
+density_kg_per_m3 = 2470.0
+[[material_pair]]
+materials = ["m", "m"]
+stiffness_n_per_m = 1e3
+restitution = 0.73
+friction = 0.55
+[[shape]]
+name = "s"
+geometry = {{ kind = "cross_3d", beam_length_m = {beam}, beam_width_m = 1.0283e-3 }}
+[[boundary]]
+name = "drum"
+material = "m"
+geometry = {{ kind = "cylinder_inside", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], radius_m = 0.05 }}
+motion = {{ kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], angular_velocity = {{ kind = "constant", rad_per_s = 2.1 }} }}
+[[insertion]]
+shape = "s"
+material = "m"
+[insertion.placement]
+method = "random"
+count = {count}
+region = {{ kind = "cylinder", point_m = [0.0, -0.015, -0.02], axis = [0.0, 1.0, 0.0], radius_m = 0.03, length_m = 0.03 }}
+"#
+    )
+}
