@@ -1,6 +1,6 @@
 //! The particles as columns, rows in spatial order: `[owned | ghosts]`, ghosts being shifted periodic images.
 
-use crate::math::{Mat3, Quat, Vec3};
+use crate::math::{Mat3, Quat, Similarity, Vec3};
 
 /// What a row needs to be made.
 #[derive(Clone, Copy, Debug)]
@@ -197,6 +197,18 @@ impl Particles {
     #[inline(always)]
     pub fn separation(&self, a: usize, b: usize) -> Vec3 {
         (self.position[b] - self.position[a]) + (self.offset[b] - self.offset[a])
+    }
+
+    /// Body frame of `b`, `d` away, in the body frame and unit of `a`; and the unit of `a`, m.
+    #[inline(always)]
+    pub fn a_from_b(&self, a: usize, b: usize, d: &Vec3) -> (Similarity, f64) {
+        let (rotation, scale) = (&self.rotation[a], self.scale[a]);
+        let a_from_b = Similarity {
+            rotation: rotation.tr_mul(&self.rotation[b]),
+            translation: rotation.tr_mul(d) / scale,
+            scale: self.scale[b] / scale,
+        };
+        (a_from_b, scale)
     }
 
     /// Angular velocity of an owned row in world axes, rad/s.

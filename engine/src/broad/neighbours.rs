@@ -7,13 +7,14 @@ use crate::boundary::Boundary;
 use crate::cell::Cell;
 use crate::contact::{Slot, SlotKind};
 use crate::math::{Quat, Vec3};
+use crate::narrow::apart_by;
 use crate::particles::Particles;
 use crate::shape::{PartGeometry, Shape};
 
 /// How far a shape's parts reach, for unit scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeReach {
-    /// Largest distance of a part's centre from the centre of mass: what rotation moves part centres by.
+    /// Largest distance that rotation moves a point of the surface by, per radian: 0 for a sphere.
     pub lever: f64,
     /// A single sphere about the centre of mass.
     pub is_sphere: bool,
@@ -22,9 +23,11 @@ pub struct ShapeReach {
 impl ShapeReach {
     /// Of a shape.
     pub fn of(shape: &Shape) -> Self {
-        let lever = shape.parts().iter().map(|part| part.center.norm()).fold(0.0, f64::max);
-        let only_sphere = matches!(shape.parts(), [part] if matches!(part.geometry, PartGeometry::Sphere { .. }));
-        Self { lever, is_sphere: only_sphere && lever == 0.0 }
+        let is_sphere = matches!(
+            shape.parts(),
+            [part] if matches!(part.geometry, PartGeometry::Sphere { .. }) && part.center == Vec3::zeros()
+        );
+        Self { lever: if is_sphere { 0.0 } else { shape.bounding_radius() }, is_sphere }
     }
 }
 
@@ -242,14 +245,10 @@ impl Neighbours {
             found.spheres.push(slot(0, 0, SlotKind::SphereSphere));
             return;
         }
-        let d = particles.separation(a, b);
-        let (scale_a, scale_b) = (particles.scale[a], particles.scale[b]);
+        let (a_from_b, scale) = particles.a_from_b(a, b, &particles.separation(a, b));
         for (ka, part_a) in inputs.shapes[shape_a].parts().iter().enumerate() {
-            let centre_a = particles.rotation[a] * (part_a.center * scale_a);
             for (kb, part_b) in inputs.shapes[shape_b].parts().iter().enumerate() {
-                let gap = d + particles.rotation[b] * (part_b.center * scale_b) - centre_a;
-                let reach = part_a.radius * scale_a + part_b.radius * scale_b + self.skin;
-                if gap.norm_squared() < reach * reach {
+                if !apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
                     found.parts.push(slot(ka, kb, SlotKind::Parts));
                 }
             }

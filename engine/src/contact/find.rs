@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::law::share_stiffness;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind};
 use crate::boundary::{Boundary, WallShape};
-use crate::math::{Similarity, Vec3};
+use crate::math::Vec3;
 use crate::narrow::{self, FeatureKey, Manifold};
 use crate::particles::Particles;
 use crate::scene::Sharing;
@@ -93,12 +93,8 @@ fn part_pair(
     if d.norm_squared() >= reach * reach {
         return;
     }
-    let (rotation_a, scale) = (&particles.rotation[a], particles.scale[a]);
-    let a_from_b = Similarity {
-        rotation: rotation_a.tr_mul(&particles.rotation[b]),
-        translation: rotation_a.tr_mul(&d) / scale,
-        scale: particles.scale[b] / scale,
-    };
+    let (a_from_b, scale) = particles.a_from_b(a, b, &d);
+    let rotation_a = &particles.rotation[a];
     let part_a = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
     let part_b = &inputs.shapes[particles.shape[b] as usize].parts()[slot.part_b as usize];
     manifold.clear();

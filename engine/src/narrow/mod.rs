@@ -3,6 +3,7 @@
 //! Everything happens in the frame and the length unit of `a`; `b_to_a` maps the body frame of `b` there. Normals
 //! point from `a` to `b`, positions lie halfway between the surfaces, and only points that touch are reported.
 
+mod apart;
 mod clipping;
 mod closest;
 mod manifold;
@@ -18,6 +19,7 @@ mod spherocylinder_spherocylinder;
 mod tests;
 mod wall;
 
+pub use apart::apart_by;
 pub use closest::{Nearest, above_face, closest_on_segment, farthest_face, point_polyhedron, segment_segment};
 pub use manifold::{FeatureKey, MAX_POINTS, Manifold, ManifoldPoint};
 pub use polyhedron_polyhedron::polyhedron_polyhedron;

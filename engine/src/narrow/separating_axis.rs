@@ -76,6 +76,16 @@ impl Pair<'_> {
         (found.distance <= 0.0).then_some(found)
     }
 
+    /// Whether some axis separates the parts by more than `gap`: faces first, they are cheap and mostly enough.
+    pub fn separated_by(&self, gap: f64) -> bool {
+        (0..self.a.faces().len()).any(|f| self.face_of_a(f) > gap)
+            || (0..self.b.faces().len()).any(|f| self.face_of_b(f).1 > gap)
+            || (0..self.a.edges().len()).any(|e| {
+                let edge = self.edge_of_a(e);
+                self.b.edges().iter().any(|other| self.edge_pair(&edge, other, gap).is_some())
+            })
+    }
+
     fn separated_by_hint(&self, hint: u32) -> bool {
         match Axis::from_code(hint) {
             Some(Axis::FaceOfA(f)) => f < self.a.faces().len() && self.face_of_a(f) > 0.0,
