@@ -4,7 +4,7 @@ use crate::math::Vec3;
 use crate::narrow::MAX_POINTS;
 use crate::shape::MAX_FACE_VERTICES;
 
-/// A corner of the polygon in the plane of the reference face, and its height above it.
+/// A corner of the polygon across the normal, and its height along it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Corner {
     pub x: f64,
@@ -49,23 +49,38 @@ impl FaceLoop {
     }
 }
 
-/// Axes in the plane of the reference face, from its first vertex.
+/// Axes across the contact normal, from the first vertex of the reference face.
 pub(super) struct Frame {
-    pub origin: Vec3,
     pub normal: Vec3,
+    origin: Vec3,
     x: Vec3,
     y: Vec3,
+    /// How the reference face rises along x and y; zero if the normal is its own.
+    slope: [f64; 2],
 }
 
 impl Frame {
-    pub fn new(normal: Vec3, points: &[Vec3]) -> Self {
-        let x = (points[1] - points[0]).normalize();
-        Self { origin: points[0], normal, x, y: normal.cross(&x) }
+    /// `x` is a direction across the normal, of any length.
+    pub fn new(normal: Vec3, origin: Vec3, x: &Vec3) -> Self {
+        let x = x.normalize();
+        Self { normal, origin, x, y: normal.cross(&x), slope: [0.0; 2] }
+    }
+
+    /// With a reference face of another normal than the contact.
+    pub fn sloping(mut self, face_normal: &Vec3) -> Self {
+        let rise = -1.0 / face_normal.dot(&self.normal);
+        self.slope = [face_normal.dot(&self.x) * rise, face_normal.dot(&self.y) * rise];
+        self
     }
 
     pub fn corner(&self, point: &Vec3, side: Side) -> Corner {
         let d = point - self.origin;
         Corner { x: self.x.dot(&d), y: self.y.dot(&d), height: self.normal.dot(&d), side }
+    }
+
+    /// How far a corner lies below the plane of the reference face, along the normal.
+    pub fn overlap(&self, corner: &Corner) -> f64 {
+        self.slope[0] * corner.x + self.slope[1] * corner.y - corner.height
     }
 
     /// The point over a corner at a given height.
@@ -98,14 +113,20 @@ impl Polygon {
 }
 
 /// Clips in place by the sides of a counter-clockwise reference polygon (Sutherland and Hodgman 1974).
-pub(super) fn clip(polygon: &mut Polygon, reference: &[Corner]) {
+///
+/// A corner outside by at most `near` stays: sides that coincide but for rounding would otherwise cross anywhere.
+pub(super) fn clip(polygon: &mut Polygon, reference: &[Corner], near: f64) {
     let mut inside = [0.0; MAX_POINTS];
     for (k, from) in reference.iter().enumerate() {
         let to = &reference[if k + 1 == reference.len() { 0 } else { k + 1 }];
         let (ex, ey) = (to.x - from.x, to.y - from.y);
+        let slack = near * (ex * ex + ey * ey).sqrt();
         let mut all_inside = true;
         for (d, c) in inside.iter_mut().zip(polygon.corners()) {
             *d = ex * (c.y - from.y) - ey * (c.x - from.x);
+            if *d < 0.0 && *d >= -slack {
+                *d = 0.0;
+            }
             all_inside &= *d >= 0.0;
         }
         if all_inside {

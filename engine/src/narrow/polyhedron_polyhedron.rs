@@ -37,29 +37,35 @@ pub fn polyhedron_polyhedron(
         return;
     }
     let smaller = size_a.min(size_b);
-    match deepest.axis {
-        Axis::Edges(e, f) => out.push(crossing_edges(&pair, &deepest, e, f)),
-        Axis::FaceOfA(face) => FaceContact::new(&pair, face, true, &deepest, size_b).push(smaller, out),
-        Axis::FaceOfB(face) => FaceContact::new(&pair, face, false, &deepest, size_a).push(smaller, out),
-    }
+    let contact = match deepest.axis {
+        Axis::Edges(e, f) => FaceContact::of_edges(&pair, &deepest, e, f),
+        Axis::FaceOfA(face) => FaceContact::of_face(&pair, &deepest, face, true, size_b),
+        Axis::FaceOfB(face) => FaceContact::of_face(&pair, &deepest, face, false, size_a),
+    };
+    contact.push(smaller, out);
 }
 
-fn crossing_edges(pair: &Pair<'_>, deepest: &Separation, e: usize, f: usize) -> ManifoldPoint {
+/// Where two edges cross: halfway between them, and which they are.
+fn crossing_edges(pair: &Pair<'_>, deepest: &Separation, e: usize, f: usize) -> (Vec3, FeatureKey) {
     let on_a = pair.a.edges()[e].vertices.map(|v| pair.a.vertices()[v as usize]);
     let on_b = pair.b.edges()[f].vertices.map(|v| pair.b_to_a.point(&pair.b.vertices()[v as usize]));
     // slid along the normal until they touch: the closest points are then where the edges cross
     let lifted = on_b.map(|x| x - deepest.normal * deepest.distance);
     let (x, y) = segment_segment(&on_a, &lifted);
-    ManifoldPoint {
-        position: (x + y + deepest.normal * deepest.distance) * 0.5,
-        normal: deepest.normal,
-        overlap: -deepest.distance,
-        share: 1.0,
-        feature: FeatureKey::edges(e as u32, f as u32),
-    }
+    ((x + y + deepest.normal * deepest.distance) * 0.5, FeatureKey::edges(e as u32, f as u32))
 }
 
-/// A reference face and the incident face of the other part, both in the frame of `a`.
+/// Of the two faces at an edge the one that looks most along a direction.
+fn face_along(p: &Polyhedron, edge: usize, along: &Vec3) -> usize {
+    let [f, g] = p.edges()[edge].faces.map(|f| f as usize);
+    if p.faces()[g].normal.dot(along) > p.faces()[f].normal.dot(along) { g } else { f }
+}
+
+/// Two faces seen along the normal: the corners of their common outline, as deep as the gap between their planes.
+///
+/// With a face axis the reference is that face. With an edge axis the faces beside the two edges are used, so that
+/// two cubes which are tilted by 1e-9 keep their four points although an edge axis is the deepest by that little.
+/// Edges that cross like roof ridges have one corner below zero, their crossing.
 struct FaceContact<'p> {
     reference: &'p Polyhedron,
     incident: &'p Polyhedron,
@@ -68,58 +74,83 @@ struct FaceContact<'p> {
     reference_is_a: bool,
     reference_loop: FaceLoop,
     incident_loop: FaceLoop,
-    /// Outwards from the reference.
-    normal: Vec3,
+    frame: Frame,
     depth: f64,
-    deepest_vertex: usize,
-    deepest_point: Vec3,
+    /// Where the contact is if the outline has no area, and what it is then.
+    fallback: (Vec3, FeatureKey),
 }
 
 impl<'p> FaceContact<'p> {
-    fn new(pair: &Pair<'p>, face: usize, reference_is_a: bool, deepest: &Separation, incident_size: f64) -> Self {
+    fn of_face(pair: &Pair<'p>, deepest: &Separation, face: usize, reference_is_a: bool, incident_size: f64) -> Self {
         let b_to_a = pair.b_to_a;
-        let (reference, incident) = if reference_is_a { (pair.a, pair.b) } else { (pair.b, pair.a) };
+        let incident = if reference_is_a { pair.b } else { pair.a };
         let normal = if reference_is_a { deepest.normal } else { -deepest.normal };
         let (along, size) =
             if reference_is_a { (b_to_a.inverse_direction(&normal), incident_size / b_to_a.scale) } else { (normal, incident_size) };
-        let (incident_face, deepest_vertex) = incident_face(incident, &along, EQUALLY_DEEP * size);
+        let (incident_face, vertex) = incident_face(incident, &along, EQUALLY_DEEP * size);
+        let point = incident.vertices()[vertex];
+        let point = if reference_is_a { b_to_a.point(&point) } else { point };
+        let key = if reference_is_a { FeatureKey::vertex_of_b(vertex as u32) } else { FeatureKey::vertex_of_a(vertex as u32) };
+        let fallback = (point - normal * (0.5 * deepest.distance), key);
+        let frame = |points: &[Vec3]| Frame::new(normal, points[0], &(points[1] - points[0]));
+        Self::new(pair, reference_is_a, [face, incident_face], frame, -deepest.distance, fallback)
+    }
+
+    fn of_edges(pair: &Pair<'p>, deepest: &Separation, e: usize, f: usize) -> Self {
+        let normal = deepest.normal;
+        let along_b = pair.b_to_a.inverse_direction(&-normal);
+        let faces = [face_along(pair.a, e, &normal), face_along(pair.b, f, &along_b)];
+        let slope = pair.a.faces()[faces[0]].normal;
+        let frame = |points: &[Vec3]| Frame::new(normal, points[0], &pair.a.edges()[e].direction).sloping(&slope);
+        Self::new(pair, true, faces, frame, -deepest.distance, crossing_edges(pair, deepest, e, f))
+    }
+
+    fn new(
+        pair: &Pair<'p>,
+        reference_is_a: bool,
+        [reference_face, incident_face]: [usize; 2],
+        frame: impl Fn(&[Vec3]) -> Frame,
+        depth: f64,
+        fallback: (Vec3, FeatureKey),
+    ) -> Self {
+        let (reference, incident) = if reference_is_a { (pair.a, pair.b) } else { (pair.b, pair.a) };
+        let b_to_a = pair.b_to_a;
         let points = |p: &'p Polyhedron, face: usize, is_a: bool| {
             let to_a = move |v: &u32| if is_a { p.vertices()[*v as usize] } else { b_to_a.point(&p.vertices()[*v as usize]) };
             FaceLoop::new(p.face_vertices(face).iter().map(to_a))
         };
-        let deepest_point = incident.vertices()[deepest_vertex];
+        let reference_loop = points(reference, reference_face, reference_is_a);
+        let incident_loop = points(incident, incident_face, !reference_is_a);
+        let frame = frame(reference_loop.points());
         Self {
             reference,
             incident,
-            reference_face: face,
+            reference_face,
             incident_face,
             reference_is_a,
-            reference_loop: points(reference, face, reference_is_a),
-            incident_loop: points(incident, incident_face, !reference_is_a),
-            normal,
-            depth: -deepest.distance,
-            deepest_vertex,
-            deepest_point: if reference_is_a { b_to_a.point(&deepest_point) } else { deepest_point },
+            reference_loop,
+            incident_loop,
+            frame,
+            depth,
+            fallback,
         }
     }
 
-    /// Clips, merges coincident corners and adds those below the reference face.
+    /// Clips, merges coincident corners and adds those that overlap.
     fn push(&self, smaller: f64, out: &mut Manifold) {
         let first = out.len();
-        let frame = Frame::new(self.normal, self.reference_loop.points());
-        let reference = Corners::new(&frame, &self.reference_loop, Side::Reference);
-        let incident = Corners::new(&frame, &self.incident_loop, Side::Incident);
+        let reference = Corners::new(&self.frame, &self.reference_loop, Side::Reference);
+        let incident = Corners::new(&self.frame, &self.incident_loop, Side::Incident);
         let mut polygon = Polygon::empty();
         for c in incident.all() {
             polygon.push(*c);
         }
-        clip(&mut polygon, reference.all());
         let near = COINCIDENT * smaller;
-        self.push_corners(polygon.corners(), &Context { frame: &frame, reference: &reference, incident: &incident, near }, out);
+        clip(&mut polygon, reference.all(), near);
+        self.push_corners(polygon.corners(), &Context { reference: &reference, incident: &incident, near }, out);
         if out.len() == first {
-            // a polygon without area can lose its last corner to rounding; the contact must not be lost with it
-            let position = self.deepest_point + self.normal * (0.5 * self.depth);
-            let feature = self.incident_vertex_key(self.deepest_vertex as u32);
+            // an outline without area can lose its last corner to rounding; the contact must not be lost with it
+            let (position, feature) = self.fallback;
             out.push(self.contact(position, self.depth, near, feature));
         }
     }
@@ -135,27 +166,28 @@ impl<'p> FaceContact<'p> {
         let mut k = 0;
         while k < n {
             let leader = (start + k) % n;
-            let (mut feature, mut share, mut height) = (FeatureKey(u32::MAX), 0.0, f64::MAX);
+            let (mut feature, mut share, mut overlap) = (FeatureKey(u32::MAX), 0.0, f64::MIN);
             loop {
                 let i = (start + k) % n;
                 let (before, after) = ((i + n - 1) % n, (i + 1) % n);
                 feature = feature.min(self.key(corners, before, i, context));
                 share += 0.5 * (distance(&corners[before], &corners[i], false) + distance(&corners[i], &corners[after], false));
-                height = height.min(corners[i].height);
+                overlap = overlap.max(self.frame.overlap(&corners[i]));
                 k += 1;
                 if k == n || !coincide(i, after) {
                     break;
                 }
             }
-            if height < 0.0 {
-                let position = context.frame.point(&corners[leader], 0.5 * height);
-                out.push(self.contact(position, -height, share + context.near, feature));
+            if overlap > 0.0 {
+                let corner = &corners[leader];
+                let position = self.frame.point(corner, corner.height + 0.5 * overlap);
+                out.push(self.contact(position, overlap, share + context.near, feature));
             }
         }
     }
 
     fn contact(&self, position: Vec3, overlap: f64, share: f64, feature: FeatureKey) -> ManifoldPoint {
-        let normal = if self.reference_is_a { self.normal } else { -self.normal };
+        let normal = if self.reference_is_a { self.frame.normal } else { -self.frame.normal };
         ManifoldPoint { position, normal, overlap, share, feature }
     }
 
@@ -200,7 +232,6 @@ impl<'p> FaceContact<'p> {
 
 /// What labels the corners of one lateral polygon.
 struct Context<'c> {
-    frame: &'c Frame,
     reference: &'c Corners,
     incident: &'c Corners,
     near: f64,
