@@ -5,6 +5,7 @@
 
 mod clipping;
 mod closest;
+mod face_contact;
 mod manifold;
 mod polyhedron_polyhedron;
 mod round;
