@@ -18,3 +18,16 @@ pub(crate) fn hull_triangles(points: &[Vec3]) -> Result<Vec<[u32; 3]>, String> {
     let original = original.ok_or_else(|| "the hull moved a point".to_string())?;
     Ok(triangles.iter().map(|t| t.map(|v| original[v as usize])).collect())
 }
+
+/// parry's own answer for two hulls in one frame, an oracle on generic poses: signed distance, negative when they overlap.
+#[cfg(test)]
+pub(crate) fn signed_distance(a: &[Vec3], b: &[Vec3]) -> Option<f64> {
+    use parry3d_f64::math::Pose;
+    use parry3d_f64::shape::ConvexPolyhedron;
+    let hull = |points: &[Vec3]| {
+        let points: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
+        ConvexPolyhedron::from_convex_hull(&points)
+    };
+    let (a, b) = (hull(a)?, hull(b)?);
+    parry3d_f64::query::contact(&Pose::IDENTITY, &a, &Pose::IDENTITY, &b, 1.0).ok()?.map(|c| c.dist)
+}

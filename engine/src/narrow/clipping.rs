@@ -1,11 +1,9 @@
-//! The lateral polygon of a face contact: the incident face, clipped by the side planes of the reference face.
+//! The common outline of two faces seen along the contact normal: one face clipped by the sides of the other.
 
 use crate::math::Vec3;
-use crate::narrow::MAX_POINTS;
-use crate::shape::MAX_FACE_VERTICES;
 
-/// A corner of the polygon in the plane of the reference face, and its height above it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// A corner of a polygon across the normal, and its height along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
     pub x: f64,
     pub y: f64,
@@ -21,51 +19,51 @@ pub(super) enum Side {
     Reference(u8),
 }
 
-impl Default for Side {
-    fn default() -> Self {
-        Self::Incident(0)
+impl Corner {
+    /// Squared distance across the normal.
+    pub fn lateral2(&self, other: &Self) -> f64 {
+        let (x, y) = (self.x - other.x, self.y - other.y);
+        x * x + y * y
+    }
+
+    /// Squared distance in space.
+    pub fn distance2(&self, other: &Self) -> f64 {
+        let height = self.height - other.height;
+        self.lateral2(other) + height * height
     }
 }
 
-/// A face as a list of points, without allocation.
-#[derive(Clone, Copy)]
-pub(super) struct FaceLoop {
-    points: [Vec3; MAX_FACE_VERTICES],
-    len: usize,
-}
-
-impl FaceLoop {
-    pub fn new(points: impl Iterator<Item = Vec3>) -> Self {
-        let mut new = Self { points: [Vec3::zeros(); MAX_FACE_VERTICES], len: 0 };
-        for p in points {
-            new.points[new.len] = p;
-            new.len += 1;
-        }
-        new
-    }
-
-    pub fn points(&self) -> &[Vec3] {
-        &self.points[..self.len]
-    }
-}
-
-/// Axes in the plane of the reference face, from its first vertex.
+/// Axes across the contact normal, from the first vertex of the reference face.
 pub(super) struct Frame {
-    pub origin: Vec3,
     pub normal: Vec3,
+    origin: Vec3,
     x: Vec3,
     y: Vec3,
+    /// How the reference face rises along x and y; zero if the normal is its own.
+    slope: [f64; 2],
 }
 
 impl Frame {
-    pub fn new(normal: Vec3, points: &[Vec3]) -> Self {
-        let x = (points[1] - points[0]).normalize();
-        Self { origin: points[0], normal, x, y: normal.cross(&x) }
+    /// `x` is a unit vector across the normal.
+    pub fn new(normal: Vec3, origin: Vec3, x: Vec3) -> Self {
+        Self { normal, origin, x, y: normal.cross(&x), slope: [0.0; 2] }
+    }
+
+    /// With a reference face of another normal than the contact.
+    pub fn sloping(mut self, face_normal: &Vec3) -> Self {
+        let rise = -1.0 / face_normal.dot(&self.normal);
+        self.slope = [face_normal.dot(&self.x) * rise, face_normal.dot(&self.y) * rise];
+        self
     }
 
     pub fn corner(&self, point: &Vec3, side: Side) -> Corner {
         let d = point - self.origin;
         Corner { x: self.x.dot(&d), y: self.y.dot(&d), height: self.normal.dot(&d), side }
+    }
+
+    /// How far a corner lies below the plane of the reference face, along the normal.
+    pub fn overlap(&self, corner: &Corner) -> f64 {
+        self.slope[0] * corner.x + self.slope[1] * corner.y - corner.height
     }
 
     /// The point over a corner at a given height.
@@ -74,49 +72,64 @@ impl Frame {
     }
 }
 
-/// Corners with a fixed buffer; a face of m vertices adds at most m to those of the other.
-pub(super) struct Polygon {
-    corners: [Corner; MAX_POINTS],
+/// Corners in a fixed buffer. A face clipped by one of m vertices gains at most m.
+#[derive(Clone)]
+pub(super) struct Polygon<const N: usize> {
+    corners: [Corner; N],
     len: usize,
 }
 
-impl Polygon {
-    pub fn empty() -> Self {
-        Self { corners: [Corner::default(); MAX_POINTS], len: 0 }
+impl<const N: usize> Polygon<N> {
+    pub fn new(corners: impl Iterator<Item = Corner>) -> Self {
+        let blank = Corner { x: 0.0, y: 0.0, height: 0.0, side: Side::Incident(0) };
+        let mut new = Self { corners: [blank; N], len: 0 };
+        for c in corners {
+            new.push(c);
+        }
+        new
     }
 
     pub fn corners(&self) -> &[Corner] {
         &self.corners[..self.len]
     }
 
-    pub fn push(&mut self, corner: Corner) {
-        if self.len < MAX_POINTS {
+    fn push(&mut self, corner: Corner) {
+        if self.len < N {
             self.corners[self.len] = corner;
             self.len += 1;
         }
     }
 }
 
-/// Clips in place by the sides of a counter-clockwise reference polygon (Sutherland and Hodgman 1974).
-pub(super) fn clip(polygon: &mut Polygon, reference: &[Corner]) {
-    let mut inside = [0.0; MAX_POINTS];
+/// Clips by the sides of a counter-clockwise reference polygon (Sutherland and Hodgman 1974).
+///
+/// A corner outside by at most `near` stays: sides that coincide but for rounding would otherwise cross anywhere.
+pub(super) fn clip<const N: usize>(incident: &Polygon<N>, reference: &[Corner], near: f64) -> Polygon<N> {
+    let mut polygon = incident.clone();
+    let mut clipped = incident.clone();
+    let mut inside = [0.0; N];
     for (k, from) in reference.iter().enumerate() {
         let to = &reference[if k + 1 == reference.len() { 0 } else { k + 1 }];
         let (ex, ey) = (to.x - from.x, to.y - from.y);
+        let slack = near * (ex * ex + ey * ey).sqrt();
         let mut all_inside = true;
         for (d, c) in inside.iter_mut().zip(polygon.corners()) {
             *d = ex * (c.y - from.y) - ey * (c.x - from.x);
+            if *d < 0.0 && *d >= -slack {
+                *d = 0.0;
+            }
             all_inside &= *d >= 0.0;
         }
-        if all_inside {
-            continue;
+        if !all_inside {
+            clip_by_side(&polygon, &inside, Side::Reference(k as u8), &mut clipped);
+            std::mem::swap(&mut polygon, &mut clipped);
         }
-        clip_by_side(polygon, &inside, Side::Reference(k as u8));
     }
+    polygon
 }
 
-fn clip_by_side(polygon: &mut Polygon, inside: &[f64; MAX_POINTS], side: Side) {
-    let mut clipped = Polygon::empty();
+fn clip_by_side<const N: usize>(polygon: &Polygon<N>, inside: &[f64; N], side: Side, clipped: &mut Polygon<N>) {
+    clipped.len = 0;
     for i in 0..polygon.len {
         let j = if i + 1 == polygon.len { 0 } else { i + 1 };
         let (from, to) = (&polygon.corners[i], &polygon.corners[j]);
@@ -129,7 +142,6 @@ fn clip_by_side(polygon: &mut Polygon, inside: &[f64; MAX_POINTS], side: Side) {
             clipped.push(crossing(from, to, inside[i], inside[j], from.side));
         }
     }
-    *polygon = clipped;
 }
 
 fn crossing(from: &Corner, to: &Corner, inside_from: f64, inside_to: f64, side: Side) -> Corner {

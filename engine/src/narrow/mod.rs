@@ -6,6 +6,7 @@
 mod apart;
 mod clipping;
 mod closest;
+mod face_contact;
 mod manifold;
 mod polyhedron_polyhedron;
 mod round;

@@ -13,8 +13,9 @@ use crate::shape::{Edge, Polyhedron};
 const FACE_PREFERENCE: f64 = 1e-12;
 /// Edges whose unit directions have a smaller cross product are parallel, and their faces cover them.
 const PARALLEL: f64 = 1e-14;
-/// Up to this many faces of `b`, the sides of its faces along an edge of `a` are computed once per edge.
-const CACHED_FACES: usize = 32;
+/// Up to so many faces and edges, signs on the Gauss map are kept as bits.
+const MOST_FACES: usize = 32;
+const MOST_EDGES: usize = 64;
 
 /// Two polyhedra and the map from the frame of `b` to that of `a`.
 #[derive(Clone, Copy)]
@@ -130,24 +131,53 @@ impl Pair<'_> {
         self.search_edges(best, tolerance)
     }
 
-    fn search_edges(&self, mut best: Separation, tolerance: f64) -> Separation {
+    fn search_edges(&self, best: Separation, tolerance: f64) -> Separation {
         // beyond zero every axis counts: touching by less than the tolerance must not hide a gap
-        let mut to_beat = (best.distance + tolerance).min(0.0);
-        let mut sides = [0.0; CACHED_FACES];
-        let cached = self.b.faces().len() <= CACHED_FACES;
+        let to_beat = (best.distance + tolerance).min(0.0);
+        let few = |p: &Polyhedron| p.faces().len() <= MOST_FACES && p.edges().len() <= MOST_EDGES;
+        if few(self.a) && few(self.b) { self.search_few_edges(best, to_beat) } else { self.search_all_edges(best, to_beat) }
+    }
+
+    fn search_all_edges(&self, mut best: Separation, mut to_beat: f64) -> Separation {
         for i in 0..self.a.edges().len() {
             let edge = self.edge_of_a(i);
-            if cached {
-                for (side, f) in sides.iter_mut().zip(self.b.faces()) {
-                    *side = f.normal.dot(&edge.direction);
+            for (j, other) in self.b.edges().iter().enumerate() {
+                if let Some((normal, distance)) = self.edge_pair(&edge, other, to_beat) {
+                    best = Separation { axis: Axis::Edges(i, j), normal, distance };
+                    if distance > 0.0 {
+                        return best;
+                    }
+                    to_beat = distance;
                 }
             }
-            for (j, other) in self.b.edges().iter().enumerate() {
-                // most pairs end here: the edge of b is not on the outline seen along the edge of a
-                if cached && sides[other.faces[0] as usize] * sides[other.faces[1] as usize] >= 0.0 {
+        }
+        best
+    }
+
+    /// As above, with the signs of all edges of `b` against a face of `a` in one word, and the other way round.
+    fn search_few_edges(&self, mut best: Separation, mut to_beat: f64) -> Separation {
+        let mut normals = [Vec3::zeros(); MOST_FACES];
+        let mut against = [Signs::default(); MOST_FACES];
+        for ((normal, signs), face) in normals.iter_mut().zip(&mut against).zip(self.a.faces()) {
+            *normal = self.b_to_a.inverse_direction(&face.normal);
+            *signs = Signs::of(self.b.edges().iter().map(|e| normal.dot(&e.direction)));
+        }
+        for (i, e) in self.a.edges().iter().enumerate() {
+            let [f, g] = e.faces.map(|f| f as usize);
+            let mut candidates = against[f].opposite(&against[g]);
+            if candidates == 0 {
+                continue;
+            }
+            let edge = self.edge_with_normals(e, [normals[f], normals[g]]);
+            let along = Signs::of(self.b.faces().iter().map(|f| f.normal.dot(&edge.direction)));
+            while candidates != 0 {
+                let j = candidates.trailing_zeros() as usize;
+                candidates &= candidates - 1;
+                let other = &self.b.edges()[j];
+                if !along.differ(other.faces) {
                     continue;
                 }
-                if let Some((normal, distance)) = self.edge_pair(&edge, other, to_beat) {
+                if let Some((normal, distance)) = self.crossing_arcs(&edge, other, to_beat) {
                     best = Separation { axis: Axis::Edges(i, j), normal, distance };
                     if distance > 0.0 {
                         return best;
@@ -177,45 +207,74 @@ impl Pair<'_> {
 
     fn edge_of_a(&self, edge: usize) -> EdgeInB {
         let e = &self.a.edges()[edge];
+        self.edge_with_normals(e, e.faces.map(|f| self.b_to_a.inverse_direction(&self.a.faces()[f as usize].normal)))
+    }
+
+    fn edge_with_normals(&self, e: &Edge, normals: [Vec3; 2]) -> EdgeInB {
         let start = self.a.vertices()[e.vertices[0] as usize] - self.b_to_a.translation;
-        EdgeInB {
-            direction: self.b_to_a.inverse_direction(&e.direction),
-            normals: e.faces.map(|f| self.b_to_a.inverse_direction(&self.a.faces()[f as usize].normal)),
-            start: self.b_to_a.inverse_direction(&start),
-        }
+        let direction = self.b_to_a.inverse_direction(&e.direction);
+        EdgeInB { direction, normals, start: self.b_to_a.inverse_direction(&start) }
     }
 
     /// Normal (in the frame of `a`) and separation of an edge pair, if it is a face of the Minkowski difference and
     /// separates by more than `to_beat`.
-    #[inline]
     fn edge_pair(&self, a: &EdgeInB, b: &Edge, to_beat: f64) -> Option<(Vec3, f64)> {
-        let faces = self.b.faces();
-        let [c, d] = b.faces.map(|f| &faces[f as usize].normal);
-        if c.dot(&a.direction) * d.dot(&a.direction) >= 0.0 {
-            return None;
-        }
-        if a.normals[0].dot(&b.direction) * a.normals[1].dot(&b.direction) >= 0.0 {
-            return None;
-        }
-        // each arc crosses the great circle of the other one; on the same side of the sphere?
+        let along_a = b.faces.map(|f| self.b.faces()[f as usize].normal.dot(&a.direction));
+        let along_b = a.normals.map(|n| n.dot(&b.direction));
+        let opposite = |[x, y]: [f64; 2]| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
+        if opposite(along_a) && opposite(along_b) { self.crossing_arcs(a, b, to_beat) } else { None }
+    }
+
+    /// The same once each arc is known to cross the great circle of the other one.
+    #[inline]
+    fn crossing_arcs(&self, a: &EdgeInB, b: &Edge, to_beat: f64) -> Option<(Vec3, f64)> {
         let cross = a.direction.cross(&b.direction);
         let outwards = cross.dot(&(a.normals[0] + a.normals[1]));
+        let [c, d] = b.faces.map(|f| &self.b.faces()[f as usize].normal);
         if outwards * cross.dot(&(c + d)) >= 0.0 {
             return None;
         }
-        let length = cross.norm();
-        if length <= PARALLEL {
-            return None;
-        }
-        let normal = cross * (if outwards > 0.0 { 1.0 } else { -1.0 } / length);
+        let cross = if outwards > 0.0 { cross } else { -cross };
+        let length2 = cross.norm_squared();
         let vertex = &self.b.vertices()[b.vertices[0] as usize];
-        if self.b_to_a.scale * normal.dot(vertex) - normal.dot(&a.start) <= to_beat {
+        let apart = self.b_to_a.scale * cross.dot(vertex) - cross.dot(&a.start);
+        // apart / length > to_beat, without the root: most pairs end here
+        if length2 <= PARALLEL * PARALLEL || (apart <= 0.0 && apart * apart >= to_beat * to_beat * length2) {
             return None;
         }
+        let normal = cross / length2.sqrt();
         let in_a = self.b_to_a.direction(&normal);
         let highest_of_a = -lowest(self.a, &-in_a);
         let distance = self.b_to_a.scale * lowest(self.b, &normal) + (in_a.dot(&self.b_to_a.translation) - highest_of_a);
         (distance > to_beat).then_some((in_a, distance))
+    }
+}
+
+/// Which of up to 64 numbers are positive and which negative.
+#[derive(Clone, Copy, Default)]
+struct Signs {
+    positive: u64,
+    negative: u64,
+}
+
+impl Signs {
+    fn of(numbers: impl Iterator<Item = f64>) -> Self {
+        let mut new = Self::default();
+        for (i, x) in numbers.enumerate() {
+            new.positive |= u64::from(x > 0.0) << i;
+            new.negative |= u64::from(x < 0.0) << i;
+        }
+        new
+    }
+
+    /// Places at which the two have opposite signs.
+    fn opposite(&self, other: &Self) -> u64 {
+        (self.positive & other.negative) | (self.negative & other.positive)
+    }
+
+    /// Whether the numbers at two places have opposite signs.
+    fn differ(&self, [i, j]: [u32; 2]) -> bool {
+        ((self.positive >> i) & (self.negative >> j) | (self.negative >> i) & (self.positive >> j)) & 1 == 1
     }
 }
 

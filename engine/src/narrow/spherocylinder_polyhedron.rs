@@ -48,7 +48,7 @@ fn capsule_contacts(capsule: &Spherocylinder, b: &Polyhedron, out: &mut Manifold
         return out.push(point);
     }
     let end = |k: usize| end_contact(capsule, b, &deepest, &stretch[k], FeatureKey::point(k as u32));
-    push_shared(&mut point, [end(0), end(1)], length, out);
+    push_shared(&mut point, [end(0), end(1)], 1.0, length, out);
 }
 
 /// The ball of the axis at `x`. Over a face its height counts, also below: a deep end must not leave sideways.

@@ -11,6 +11,8 @@ use crate::math::{Similarity, Vec3};
 
 /// Shares below this, over the length side by side, are rounding of parallel axes.
 const FADED: f64 = 1e-9;
+/// Sine of the angle between the axes at which the ends cease to count: 30 degrees. Across, "side by side" has no sense.
+const WIDEST: f64 = 0.5;
 
 /// At most three points.
 pub fn spherocylinder_spherocylinder(a: &Spherocylinder, b: &Spherocylinder, b_to_a: &Similarity, out: &mut Manifold) {
@@ -30,18 +32,31 @@ pub fn spherocylinder_spherocylinder(a: &Spherocylinder, b: &Spherocylinder, b_t
         ([end(&first), end(&last)], length)
     });
     let Some((ends, length)) = ends else { return out.push(deepest) };
-    push_shared(&mut deepest, ends, length, out);
+    push_shared(&mut deepest, ends, parallelism(&a.ends, &q), length, out);
 }
 
-/// Shares `length` among the deepest point and the two ends, and adds those that carry.
-pub(super) fn push_shared(deepest: &mut ManifoldPoint, ends: [Option<ManifoldPoint>; 2], length: f64, out: &mut Manifold) {
+/// 1 for parallel axes, fading to 0 at the widest angle.
+fn parallelism(p: &[Vec3; 2], q: &[Vec3; 2]) -> f64 {
+    let (u, v) = (p[1] - p[0], q[1] - q[0]);
+    let sine2 = u.cross(&v).norm_squared() / (u.norm_squared() * v.norm_squared());
+    (1.0 - sine2 / (WIDEST * WIDEST)).max(0.0)
+}
+
+/// Shares `length` among the deepest point and the two ends, and adds those that carry. `fade` scales what the ends get.
+pub(super) fn push_shared(
+    deepest: &mut ManifoldPoint,
+    ends: [Option<ManifoldPoint>; 2],
+    fade: f64,
+    length: f64,
+    out: &mut Manifold,
+) {
     let largest = ends.iter().flatten().map(|p| p.overlap).fold(0.0, f64::max);
-    deepest.share = length * (1.0 - largest / deepest.overlap);
+    deepest.share = length * (1.0 - fade * largest / deepest.overlap);
     if deepest.share > FADED * length {
         out.push(*deepest);
     }
-    for mut p in ends.into_iter().flatten() {
-        p.share = 0.5 * length * p.overlap / deepest.overlap;
+    for mut p in ends.into_iter().flatten().filter(|_| fade > 0.0) {
+        p.share = 0.5 * length * fade * p.overlap / deepest.overlap;
         out.push(p);
     }
 }
@@ -66,14 +81,18 @@ struct End {
 
 /// First and last end of either segment that lies beside the other one, and the length between them.
 fn side_by_side(p: &[Vec3; 2], q: &[Vec3; 2]) -> Option<(End, End, f64)> {
-    let axis = p[1] - p[0];
-    let length = axis.norm();
+    let (u, v) = (p[1] - p[0], q[1] - q[0]);
+    let length = u.norm().min(v.norm());
     if length == 0.0 {
         return None;
     }
+    // the bisector: the stretch must not depend on which of the two is called a
+    let (u, v) = (u.normalize(), v.normalize());
+    let axis = if u.dot(&v) >= 0.0 { u + v } else { u - v }.normalize();
+    let middle = (p[0] + p[1] + q[0] + q[1]) * 0.25;
     let (mut first, mut last): (Option<End>, Option<End>) = (None, None);
     let mut offer = |on_a: Vec3, on_b: Vec3, feature: FeatureKey| {
-        let along = axis.dot(&(on_a - p[0])) / length;
+        let along = axis.dot(&((on_a + on_b) * 0.5 - middle));
         let end = || End { along, on_a, on_b, feature };
         if first.as_ref().is_none_or(|e| along < e.along) {
             first = Some(end());

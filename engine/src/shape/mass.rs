@@ -36,9 +36,14 @@ impl Moments {
     }
 
     pub fn add(&mut self, other: &Self) {
-        self.volume += other.volume;
-        self.first += other.first;
-        self.second += other.second;
+        self.add_scaled(other, 1.0);
+    }
+
+    /// Adds a body of another density.
+    pub fn add_scaled(&mut self, other: &Self, density: f64) {
+        self.volume += other.volume * density;
+        self.first += other.first * density;
+        self.second += other.second * density;
     }
 
     /// Of a body whose own moments are about its centre `at`, with zero first moment.

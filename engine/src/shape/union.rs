@@ -57,9 +57,10 @@ const HALVINGS: u32 = 5;
 /// Moments of any union of parts, and an estimate of their relative error.
 ///
 /// Cells that are wholly inside or outside of every part are summed exactly; those at the surface are halved down
-/// to 1/512 of the side, where the midpoint decides. Stated as the error: the larger of twice the change by the
-/// last halving (volume and trace of the second moment) and the random-walk estimate, the square root of the
-/// number of undecided cells times their volume. An estimate, not a bound: a face along the lattice can exceed it.
+/// to 1/512 of the side, and then filled in proportion to the depth of their middle (exact for a face along the
+/// lattice; in or out alone would err by up to half a layer of cells there). Stated as the error: the larger of
+/// twice the change by the last halving (volume and trace of the second moment) and the random-walk estimate, the
+/// square root of the number of cells at the surface times their volume. An estimate, tested on known unions.
 pub(crate) fn lattice(parts: &[Part]) -> (Moments, f64) {
     let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
     for p in parts {
@@ -67,9 +68,9 @@ pub(crate) fn lattice(parts: &[Part]) -> (Moments, f64) {
         high = high.sup(&(p.center + Vec3::repeat(p.radius)));
     }
     let cell = (high - low).max() / COARSE as f64;
-    // an irrational offset of the lattice: faces through lattice planes would make the midpoint rule undecided
+    // off the grid: symmetric shapes would otherwise have systematic errors instead of ones that average out
     let low = low - Vec3::new(0.5857, 0.2679, 0.3944) * cell;
-    let mut sums = Sums { fine: Moments::zero(), coarse: Moments::zero(), undecided: 0 };
+    let mut sums = Sums { fine: Moments::zero(), coarse: Moments::zero(), partial: 0 };
     for i in 0..=COARSE {
         for j in 0..=COARSE {
             for k in 0..=COARSE {
@@ -79,7 +80,7 @@ pub(crate) fn lattice(parts: &[Part]) -> (Moments, f64) {
         }
     }
     let finest = cell / f64::from(1 << HALVINGS);
-    let walk = (sums.undecided as f64).sqrt() * finest.powi(3) / sums.fine.volume;
+    let walk = (sums.partial as f64).sqrt() * finest.powi(3) / sums.fine.volume;
     let change = |a: f64, b: f64| 2.0 * (a - b).abs() / a;
     let volume = change(sums.fine.volume, sums.coarse.volume);
     let second = change(central_trace(&sums.fine), central_trace(&sums.coarse));
@@ -93,7 +94,7 @@ fn central_trace(m: &Moments) -> f64 {
 struct Sums {
     fine: Moments,
     coarse: Moments,
-    undecided: usize,
+    partial: usize,
 }
 
 fn refine(parts: &[Part], middle: &Vec3, side: f64, halvings: u32, sums: &mut Sums) {
@@ -107,17 +108,19 @@ fn refine(parts: &[Part], middle: &Vec3, side: f64, halvings: u32, sums: &mut Su
     if depth >= reach {
         let whole = whole();
         sums.fine.add(&whole);
-        sums.coarse.add(&whole);
+        // the finest cells are the children of cells that the coarse sum already has
+        if halvings > 0 {
+            sums.coarse.add(&whole);
+        }
         return;
     }
-    if halvings == 1 && depth >= 0.0 {
-        sums.coarse.add(&whole());
+    let filled = (0.5 + depth / side).clamp(0.0, 1.0);
+    if halvings == 1 {
+        sums.coarse.add_scaled(&whole(), filled);
     }
     if halvings == 0 {
-        sums.undecided += 1;
-        if depth >= 0.0 {
-            sums.fine.add(&whole());
-        }
+        sums.partial += 1;
+        sums.fine.add_scaled(&whole(), filled);
         return;
     }
     for corner in 0..8 {
