@@ -37,7 +37,8 @@ fn aligned_and_tilted_cubes_in_every_offset() {
                 for depth in [1e-8, 1e-4, 1e-2] {
                     for axis in [Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(1.0, 0.3, 0.2)] {
                         let turn = rotation(axis, tilt) * rotation(Vec3::z(), FRAC_PI_2 * f64::from(quarter));
-                        let label = format!("quarter {quarter} tilt {tilt:e} about {axis:?} at {x} {y} depth {depth:e}");
+                        let label =
+                            format!("quarter {quarter} tilt {tilt:e} about {axis:?} at {x} {y} depth {depth:e}");
                         let pose = at(turn, x, y, 1.0 - depth);
                         check_pair(&a, &a, &pose, &label);
                         if tilt < 1e-9 && tilt < 1e-3 * depth && x < 0.9 {
@@ -66,7 +67,12 @@ fn edges_on_faces_and_on_edges() {
                 check_pair(&a, &a, &at(turn, 0.1, 0.5, 0.5 + half - depth), &format!("edge over rim, {label}"));
                 let other = Part::new(PartGeometry::Polyhedron(solid(&a).transformed(&on_edge, &Vec3::zeros())));
                 check_pair(&other, &a, &at(turn, 0.1, 0.0, 2.0 * half - depth), &format!("parallel edges, {label}"));
-                check_pair(&other, &a, &at(turn, 0.1, 0.01, 2.0 * half - depth), &format!("parallel edges beside, {label}"));
+                check_pair(
+                    &other,
+                    &a,
+                    &at(turn, 0.1, 0.01, 2.0 * half - depth),
+                    &format!("parallel edges beside, {label}"),
+                );
                 let crossed = rotation(Vec3::z(), FRAC_PI_2) * turn;
                 check_pair(&other, &a, &at(crossed, 0.1, 0.1, 2.0 * half - depth), &format!("crossed edges, {label}"));
             }
@@ -177,7 +183,12 @@ fn shares_and_overlaps_are_continuous_over_the_rim() {
     for k in 1..100_000 {
         let now = moments(-0.5 + step * f64::from(k));
         // the slope is of order one, times the overlap of 5e-3
-        assert!((now - last).norm() < 20.0 * step * 5e-3, "jump of {:e} at {}", (now - last).norm(), step * f64::from(k));
+        assert!(
+            (now - last).norm() < 20.0 * step * 5e-3,
+            "jump of {:e} at {}",
+            (now - last).norm(),
+            step * f64::from(k)
+        );
         last = now;
     }
 }
