@@ -64,7 +64,8 @@ pub(super) struct FaceContact<'p> {
 impl<'p> FaceContact<'p> {
     /// With the face that made the axis as the reference.
     pub fn of_face(pair: &Pair<'p>, deepest: &Separation, face: usize, of_a: bool, incident_size: f64) -> Self {
-        let (a, b) = (FaceOf { solid: pair.a, face, b_to_a: None }, FaceOf { solid: pair.b, face, b_to_a: Some(pair.b_to_a) });
+        let (a, b) =
+            (FaceOf { solid: pair.a, face, b_to_a: None }, FaceOf { solid: pair.b, face, b_to_a: Some(pair.b_to_a) });
         let (reference, mut incident) = if of_a { (a, b) } else { (b, a) };
         let normal = if of_a { deepest.normal } else { -deepest.normal };
         let along = if of_a { pair.b_to_a.inverse_direction(&normal) } else { normal };
@@ -108,7 +109,8 @@ impl<'p> FaceContact<'p> {
         let reference = self.reference.corners::<N>(&self.frame, Side::Reference);
         let incident = self.incident.corners::<N>(&self.frame, Side::Incident);
         let outline = clip(&incident, reference.corners(), near);
-        let labels = Labels { contact: self, reference: reference.corners(), incident: incident.corners(), near2: near * near };
+        let labels =
+            Labels { contact: self, reference: reference.corners(), incident: incident.corners(), near2: near * near };
         let corners = outline.corners();
         let n = corners.len();
         if n == 0 {

@@ -33,7 +33,9 @@ pub(crate) fn contact(a: &Ball, b: &Ball, otherwise: &Vec3, feature: FeatureKey,
 
 /// Any unit vector across `d`, the same for `d` and `-d`; x for a null vector.
 pub(crate) fn across(d: &Vec3) -> Vec3 {
-    d.cross(&Vec3::ith(d.iamin(), 1.0)).try_normalize(0.0).map_or_else(Vec3::x, |n| if n[n.iamax()] < 0.0 { -n } else { n })
+    d.cross(&Vec3::ith(d.iamin(), 1.0))
+        .try_normalize(0.0)
+        .map_or_else(Vec3::x, |n| if n[n.iamax()] < 0.0 { -n } else { n })
 }
 
 /// Adds the contact of two balls if there is one.

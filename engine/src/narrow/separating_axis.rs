@@ -6,16 +6,15 @@
 //! therefore lose, but never win wrongly.
 
 use crate::math::{Similarity, Vec3};
-use crate::shape::{Edge, Polyhedron};
+use crate::shape::{Edge, Parallels, Polyhedron};
 
 /// An edge axis must beat the faces by this, over the size of the pair: rounding must not turn a face contact, which
 /// has several points, into an edge contact, which has one.
 const FACE_PREFERENCE: f64 = 1e-12;
 /// Edges whose unit directions have a smaller cross product are parallel, and their faces cover them.
 const PARALLEL: f64 = 1e-14;
-/// Up to so many faces and edges, signs on the Gauss map are kept as bits.
+/// Up to so many faces (and 64 edges), signs on the Gauss map are kept as bits.
 const MOST_FACES: usize = 32;
-const MOST_EDGES: usize = 64;
 
 /// Two polyhedra and the map from the frame of `b` to that of `a`.
 #[derive(Clone, Copy)]
@@ -134,8 +133,12 @@ impl Pair<'_> {
     fn search_edges(&self, best: Separation, tolerance: f64) -> Separation {
         // beyond zero every axis counts: touching by less than the tolerance must not hide a gap
         let to_beat = (best.distance + tolerance).min(0.0);
-        let few = |p: &Polyhedron| p.faces().len() <= MOST_FACES && p.edges().len() <= MOST_EDGES;
-        if few(self.a) && few(self.b) { self.search_few_edges(best, to_beat) } else { self.search_all_edges(best, to_beat) }
+        let few = |p: &Polyhedron| p.faces().len() <= MOST_FACES && !p.parallel_edges().is_empty();
+        if few(self.a) && few(self.b) {
+            self.search_few_edges(best, to_beat)
+        } else {
+            self.search_all_edges(best, to_beat)
+        }
     }
 
     fn search_all_edges(&self, mut best: Separation, mut to_beat: f64) -> Separation {
@@ -160,29 +163,32 @@ impl Pair<'_> {
         let mut against = [Signs::default(); MOST_FACES];
         for ((normal, signs), face) in normals.iter_mut().zip(&mut against).zip(self.a.faces()) {
             *normal = self.b_to_a.inverse_direction(&face.normal);
-            *signs = Signs::of(self.b.edges().iter().map(|e| normal.dot(&e.direction)));
+            *signs = Signs::of(self.b.parallel_edges(), normal);
         }
-        for (i, e) in self.a.edges().iter().enumerate() {
-            let [f, g] = e.faces.map(|f| f as usize);
-            let mut candidates = against[f].opposite(&against[g]);
-            if candidates == 0 {
-                continue;
-            }
-            let edge = self.edge_with_normals(e, [normals[f], normals[g]]);
-            let along = Signs::of(self.b.faces().iter().map(|f| f.normal.dot(&edge.direction)));
-            while candidates != 0 {
-                let j = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
-                let other = &self.b.edges()[j];
-                if !along.differ(other.faces) {
+        for set in self.a.parallel_edges() {
+            let direction = self.b_to_a.inverse_direction(&set.direction);
+            let along = Signs::of(self.b.parallel_faces(), &direction);
+            for i in bits(set.along | set.against) {
+                let e = &self.a.edges()[i];
+                let [f, g] = e.faces.map(|f| f as usize);
+                let mut candidates = bits(against[f].opposite(&against[g])).peekable();
+                if candidates.peek().is_none() {
                     continue;
                 }
-                if let Some((normal, distance)) = self.crossing_arcs(&edge, other, to_beat) {
-                    best = Separation { axis: Axis::Edges(i, j), normal, distance };
-                    if distance > 0.0 {
-                        return best;
+                let direction = if set.along >> i & 1 == 1 { direction } else { -direction };
+                let edge = self.edge_in_b(e, direction, [normals[f], normals[g]]);
+                for j in candidates {
+                    let other = &self.b.edges()[j];
+                    if !along.differ(other.faces) {
+                        continue;
                     }
-                    to_beat = distance;
+                    if let Some((normal, distance)) = self.crossing_arcs(&edge, other, to_beat) {
+                        best = Separation { axis: Axis::Edges(i, j), normal, distance };
+                        if distance > 0.0 {
+                            return best;
+                        }
+                        to_beat = distance;
+                    }
                 }
             }
         }
@@ -201,18 +207,19 @@ impl Pair<'_> {
     fn face_of_b(&self, face: usize) -> (Vec3, f64) {
         let f = &self.b.faces()[face];
         let outwards = self.b_to_a.direction(&f.normal);
-        let distance = lowest(self.a, &outwards) - (outwards.dot(&self.b_to_a.translation) + self.b_to_a.scale * f.offset);
+        let distance =
+            lowest(self.a, &outwards) - (outwards.dot(&self.b_to_a.translation) + self.b_to_a.scale * f.offset);
         (outwards, distance)
     }
 
     fn edge_of_a(&self, edge: usize) -> EdgeInB {
         let e = &self.a.edges()[edge];
-        self.edge_with_normals(e, e.faces.map(|f| self.b_to_a.inverse_direction(&self.a.faces()[f as usize].normal)))
+        let normals = e.faces.map(|f| self.b_to_a.inverse_direction(&self.a.faces()[f as usize].normal));
+        self.edge_in_b(e, self.b_to_a.inverse_direction(&e.direction), normals)
     }
 
-    fn edge_with_normals(&self, e: &Edge, normals: [Vec3; 2]) -> EdgeInB {
+    fn edge_in_b(&self, e: &Edge, direction: Vec3, normals: [Vec3; 2]) -> EdgeInB {
         let start = self.a.vertices()[e.vertices[0] as usize] - self.b_to_a.translation;
-        let direction = self.b_to_a.inverse_direction(&e.direction);
         EdgeInB { direction, normals, start: self.b_to_a.inverse_direction(&start) }
     }
 
@@ -245,12 +252,13 @@ impl Pair<'_> {
         let normal = cross / length2.sqrt();
         let in_a = self.b_to_a.direction(&normal);
         let highest_of_a = -lowest(self.a, &-in_a);
-        let distance = self.b_to_a.scale * lowest(self.b, &normal) + (in_a.dot(&self.b_to_a.translation) - highest_of_a);
+        let distance =
+            self.b_to_a.scale * lowest(self.b, &normal) + (in_a.dot(&self.b_to_a.translation) - highest_of_a);
         (distance > to_beat).then_some((in_a, distance))
     }
 }
 
-/// Which of up to 64 numbers are positive and which negative.
+/// Which of up to 64 products are positive and which negative.
 #[derive(Clone, Copy, Default)]
 struct Signs {
     positive: u64,
@@ -258,11 +266,18 @@ struct Signs {
 }
 
 impl Signs {
-    fn of(numbers: impl Iterator<Item = f64>) -> Self {
+    /// Of the products of directions with `v`. A direction and its opposite have opposite products to the last bit.
+    fn of(directions: &[Parallels], v: &Vec3) -> Self {
         let mut new = Self::default();
-        for (i, x) in numbers.enumerate() {
-            new.positive |= u64::from(x > 0.0) << i;
-            new.negative |= u64::from(x < 0.0) << i;
+        for set in directions {
+            let x = set.direction.dot(v);
+            if x > 0.0 {
+                new.positive |= set.along;
+                new.negative |= set.against;
+            } else if x < 0.0 {
+                new.positive |= set.against;
+                new.negative |= set.along;
+            }
         }
         new
     }
@@ -283,6 +298,15 @@ struct EdgeInB {
     direction: Vec3,
     normals: [Vec3; 2],
     start: Vec3,
+}
+
+/// Places of the bits that are set, in ascending order.
+fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = (word != 0).then(|| word.trailing_zeros() as usize);
+        word &= word.wrapping_sub(1);
+        place
+    })
 }
 
 /// Least height of a polyhedron along a direction.

@@ -52,7 +52,13 @@ fn capsule_contacts(capsule: &Spherocylinder, b: &Polyhedron, out: &mut Manifold
 }
 
 /// The ball of the axis at `x`. Over a face its height counts, also below: a deep end must not leave sideways.
-fn end_contact(capsule: &Spherocylinder, b: &Polyhedron, deepest: &Deepest, x: &Vec3, feature: FeatureKey) -> Option<ManifoldPoint> {
+fn end_contact(
+    capsule: &Spherocylinder,
+    b: &Polyhedron,
+    deepest: &Deepest,
+    x: &Vec3,
+    feature: FeatureKey,
+) -> Option<ManifoldPoint> {
     let radius = capsule.radius;
     if let Nearest::Face(f) = deepest.nearest {
         let face = &b.faces()[f];
@@ -102,7 +108,8 @@ fn pierces(p: &Vec3, q: &Vec3, b: &Polyhedron) -> bool {
 }
 
 fn closest_outside(capsule: &Spherocylinder, b: &Polyhedron) -> Deepest {
-    let mut best = Deepest { distance: f64::MAX, outwards: Vec3::x(), on_axis: capsule.ends[0], nearest: Nearest::Edge(0) };
+    let mut best =
+        Deepest { distance: f64::MAX, outwards: Vec3::x(), on_axis: capsule.ends[0], nearest: Nearest::Edge(0) };
     let mut offer = |x: Vec3, y: Vec3, nearest: Nearest| {
         let distance = (x - y).norm();
         if distance < best.distance {
@@ -213,5 +220,6 @@ fn clip_to_face(capsule: &Spherocylinder, b: &Polyhedron, face: usize) -> Option
 fn clip_to_edge(capsule: &Spherocylinder, edge: &[Vec3; 2]) -> Option<[Vec3; 2]> {
     let [p, q] = capsule.ends;
     let feet = edge.map(|v| closest_on_segment(&v, &p, &q).0);
-    ((feet[0] - feet[1]).norm() > 0.0).then(|| if (feet[1] - feet[0]).dot(&(q - p)) >= 0.0 { feet } else { [feet[1], feet[0]] })
+    ((feet[0] - feet[1]).norm() > 0.0)
+        .then(|| if (feet[1] - feet[0]).dot(&(q - p)) >= 0.0 { feet } else { [feet[1], feet[0]] })
 }

@@ -93,7 +93,8 @@ fn pose(part: &PartDescription, path: &str) -> Result<(Mat3, Vec3), ShapeError> 
     if !(norm - 1.0).abs().le(&1e-6) {
         return Err(ShapeError::Orientation { path: format!("{path}.orientation_wxyz"), norm });
     }
-    let rotation = if [x, y, z] == [0.0; 3] { Mat3::identity() } else { *Quat::from_quaternion(q).to_rotation_matrix().matrix() };
+    let rotation =
+        if [x, y, z] == [0.0; 3] { Mat3::identity() } else { *Quat::from_quaternion(q).to_rotation_matrix().matrix() };
     Ok((rotation, Vec3::from(part.position_m)))
 }
 
@@ -114,7 +115,9 @@ fn convex(description: &ShapeDescription, at: &str) -> Result<PartGeometry, Shap
     let named = |solid: solids::Solid| polyhedron(solid, at);
     let length = |field: &str, value: f64| positive(&format!("{at}{field}"), value);
     match description {
-        D::Sphere { radius_m } => Ok(PartGeometry::Sphere { center: Vec3::zeros(), radius: length("radius_m", *radius_m)? }),
+        D::Sphere { radius_m } => {
+            Ok(PartGeometry::Sphere { center: Vec3::zeros(), radius: length("radius_m", *radius_m)? })
+        }
         D::Spherocylinder { radius_m, total_length_m } => {
             let (radius, total) = (length("radius_m", *radius_m)?, length("total_length_m", *total_length_m)?);
             let half = 0.5 * total - radius;

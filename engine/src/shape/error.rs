@@ -22,7 +22,9 @@ pub enum ShapeError {
         value: f64,
     },
     /// A spherocylinder whose total length is less than its two caps.
-    #[error("{path} is {total_length_m}: the total length includes both caps, so it must be at least 2 radius_m = {least}")]
+    #[error(
+        "{path} is {total_length_m}: the total length includes both caps, so it must be at least 2 radius_m = {least}"
+    )]
     TooShort {
         /// Where.
         path: String,
@@ -32,7 +34,9 @@ pub enum ShapeError {
         least: f64,
     },
     /// A pinacoid whose ridge vanishes or inverts.
-    #[error("{path} is {height_m}: the ridge has length length_m - height_m / tan(alpha_deg), so it must be below length_m tan(alpha_deg) = {limit}")]
+    #[error(
+        "{path} is {height_m}: the ridge has length length_m - height_m / tan(alpha_deg), so it must be below length_m tan(alpha_deg) = {limit}"
+    )]
     RidgeVanishes {
         /// Where.
         path: String,
@@ -90,7 +94,9 @@ pub enum ShapeError {
         relative: f64,
     },
     /// All points on a plane.
-    #[error("{path} are coplanar (off a plane by {relative:e} of the size, least {least:e}): a polyhedron needs a volume")]
+    #[error(
+        "{path} are coplanar (off a plane by {relative:e} of the size, least {least:e}): a polyhedron needs a volume"
+    )]
     Coplanar {
         /// Where.
         path: String,

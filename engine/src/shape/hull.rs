@@ -51,7 +51,8 @@ fn without_duplicates(points: &[Vec3], tolerance: f64) -> Vec<Vec3> {
     for p in points {
         let c = cell(p);
         let near = (0..27).any(|k| {
-            let neighbour = [c[0].wrapping_add(k % 3 - 1), c[1].wrapping_add(k / 3 % 3 - 1), c[2].wrapping_add(k / 9 - 1)];
+            let neighbour =
+                [c[0].wrapping_add(k % 3 - 1), c[1].wrapping_add(k / 3 % 3 - 1), c[2].wrapping_add(k / 9 - 1)];
             grid.get(&neighbour).is_some_and(|others| others.iter().any(|q| (p - q).norm() <= tolerance))
         });
         if !near {

@@ -32,7 +32,11 @@ pub(crate) struct Moments {
 
 impl Moments {
     pub const fn zero() -> Self {
-        Self { volume: 0.0, first: Vec3::new(0.0, 0.0, 0.0), second: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) }
+        Self {
+            volume: 0.0,
+            first: Vec3::new(0.0, 0.0, 0.0),
+            second: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        }
     }
 
     pub fn add(&mut self, other: &Self) {

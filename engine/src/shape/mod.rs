@@ -13,6 +13,7 @@ mod union;
 pub use description::{PartDescription, ShapeDescription};
 pub use error::ShapeError;
 pub use mass::MassProperties;
+pub(crate) use polyhedron::Parallels;
 pub use polyhedron::{Edge, Face, MAX_EDGES, MAX_FACE_VERTICES, Polyhedron};
 pub use surface::SurfaceMesh;
 

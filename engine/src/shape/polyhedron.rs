@@ -33,6 +33,18 @@ pub struct Edge {
     pub direction: Vec3,
 }
 
+/// Directions that are equal up to their sense, bit for bit: most edges and faces of regular solids come in such sets.
+///
+/// Only a saving for the separating-axis test; a set of one is as good.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Parallels {
+    pub direction: Vec3,
+    /// Which have this direction, as bits.
+    pub along: u64,
+    /// Which have the opposite direction.
+    pub against: u64,
+}
+
 /// A convex polyhedron whose faces are convex polygons of any number of vertices up to [`MAX_FACE_VERTICES`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
@@ -43,6 +55,8 @@ pub struct Polyhedron {
     face_edges: Vec<u32>,
     vertex_faces_start: Vec<u32>,
     vertex_faces: Vec<u32>,
+    parallel_edges: Vec<Parallels>,
+    parallel_faces: Vec<Parallels>,
 }
 
 /// Why faces do not make a convex polyhedron.
@@ -58,7 +72,11 @@ impl Polyhedron {
     /// From vertices and face loops (either sense); refuses what is not closed, convex and planar.
     pub(crate) fn from_faces(vertices: Vec<Vec3>, mut loops: Vec<Vec<u32>>) -> Result<Self, TopologyError> {
         if let Some(l) = loops.iter().find(|l| l.len() > MAX_FACE_VERTICES) {
-            return Err(TopologyError::TooMany { what: "vertices in one face", count: l.len(), most: MAX_FACE_VERTICES });
+            return Err(TopologyError::TooMany {
+                what: "vertices in one face",
+                count: l.len(),
+                most: MAX_FACE_VERTICES,
+            });
         }
         let middle = vertices.iter().sum::<Vec3>() / vertices.len() as f64;
         let mut faces = Vec::with_capacity(loops.len());
@@ -75,7 +93,19 @@ impl Polyhedron {
         }
         let (edges, face_edges) = edges_of(&vertices, &loops)?;
         let (vertex_faces_start, vertex_faces) = faces_around_vertices(vertices.len(), &loops);
-        let new = Self { vertices, faces, edges, face_vertices, face_edges, vertex_faces_start, vertex_faces };
+        let (parallel_edges, parallel_faces) = Default::default();
+        let mut new = Self {
+            vertices,
+            faces,
+            edges,
+            face_vertices,
+            face_edges,
+            vertex_faces_start,
+            vertex_faces,
+            parallel_edges,
+            parallel_faces,
+        };
+        new.find_parallels();
         new.check()?;
         Ok(new)
     }
@@ -98,7 +128,13 @@ impl Polyhedron {
         for e in &mut new.edges {
             e.direction = (new.vertices[e.vertices[1] as usize] - new.vertices[e.vertices[0] as usize]).normalize();
         }
+        new.find_parallels();
         new
+    }
+
+    fn find_parallels(&mut self) {
+        self.parallel_edges = parallels(self.edges.iter().map(|e| e.direction));
+        self.parallel_faces = parallels(self.faces.iter().map(|f| f.normal));
     }
 
     /// Corner points.
@@ -117,6 +153,18 @@ impl Polyhedron {
     #[inline]
     pub fn edges(&self) -> &[Edge] {
         &self.edges
+    }
+
+    /// Sets of parallel edges; empty if there are more than 64 edges.
+    #[inline]
+    pub(crate) fn parallel_edges(&self) -> &[Parallels] {
+        &self.parallel_edges
+    }
+
+    /// Sets of parallel faces; empty if there are more than 64 faces.
+    #[inline]
+    pub(crate) fn parallel_faces(&self) -> &[Parallels] {
+        &self.parallel_faces
     }
 
     /// Vertices of a face, counter-clockwise seen from outside.
@@ -165,7 +213,8 @@ impl Polyhedron {
             if !out.le(&(CONVEXITY * size)) {
                 return invalid(format!("a vertex lies {:e} of the size outside face {i}", out / size));
             }
-            let off = self.face_vertices(i).iter().map(|&v| (f.normal.dot(&self.vertices[v as usize]) - f.offset).abs());
+            let off =
+                self.face_vertices(i).iter().map(|&v| (f.normal.dot(&self.vertices[v as usize]) - f.offset).abs());
             let off = off.fold(0.0, f64::max);
             if off > CONVEXITY * size {
                 return invalid(format!("face {i} is off its plane by {:e} of the size", off / size));
@@ -180,6 +229,24 @@ pub(crate) fn extent(points: &[Vec3]) -> f64 {
     let Some(first) = points.first() else { return 0.0 };
     let (low, high) = points.iter().fold((*first, *first), |(l, h), p| (l.inf(p), h.sup(p)));
     (high - low).max()
+}
+
+fn parallels(directions: impl ExactSizeIterator<Item = Vec3>) -> Vec<Parallels> {
+    let mut sets: Vec<Parallels> = Vec::new();
+    if directions.len() > 64 {
+        return sets;
+    }
+    for (i, d) in directions.enumerate() {
+        let bit = 1 << i;
+        if let Some(set) = sets.iter_mut().find(|s| s.direction == d) {
+            set.along |= bit;
+        } else if let Some(set) = sets.iter_mut().find(|s| s.direction == -d) {
+            set.against |= bit;
+        } else {
+            sets.push(Parallels { direction: d, along: bit, against: 0 });
+        }
+    }
+    sets
 }
 
 /// Unit normal (right-handed about the loop) from the polygon's area vector, and the offset of its first vertex.

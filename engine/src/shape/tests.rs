@@ -104,7 +104,12 @@ fn glued_cubes_are_the_cube() {
     let mut text = String::from("kind = 'composite'\n");
     for i in 0..8 {
         let at = |bit: u32| if i >> bit & 1 == 1 { 0.25 } else { -0.25 };
-        text += &format!("[[parts]]\nshape = {{ kind = 'cube', edge_m = 0.5 }}\nposition_m = [{}, {}, {}]\n", at(0), at(1), at(2));
+        text += &format!(
+            "[[parts]]\nshape = {{ kind = 'cube', edge_m = 0.5 }}\nposition_m = [{}, {}, {}]\n",
+            at(0),
+            at(1),
+            at(2)
+        );
     }
     let m = *shape(&text).mass_properties();
     close(m.volume, 1.0, 1e-14);
@@ -159,7 +164,9 @@ fn equal_moments_keep_the_given_axes() {
         q.w, q.i, q.j, q.k
     ));
     assert_eq!(skew_cube.given_from_body(), (Quat::identity(), Vec3::zeros()));
-    let a = shape("kind = 'composite'\nparts = [{ shape = { kind = 'spherocylinder', radius_m = 0.5, total_length_m = 3.0 }, orientation_wxyz = [0.8, 0.0, 0.6, 0.0] }]");
+    let a = shape(
+        "kind = 'composite'\nparts = [{ shape = { kind = 'spherocylinder', radius_m = 0.5, total_length_m = 3.0 }, orientation_wxyz = [0.8, 0.0, 0.6, 0.0] }]",
+    );
     let m = a.mass_properties().principal_inertia;
     assert!((m.x - m.z).abs() > 0.1 && a.given_from_body().0.angle() < 1.0, "turned about y only: {m}");
     assert!((a.given_from_body().0.axis().unwrap().y.abs() - 1.0).abs() < 1e-9);
@@ -252,13 +259,21 @@ fn refusals_say_what_and_where() {
     assert_eq!(text(polyhedron(&points)), "vertices_m[3][1] is NaN: coordinates must be finite");
     assert_eq!(text(build("kind = 'cube'\nedge_m = -1.0")), "edge_m is -1: a length must be positive and finite");
     assert!(text(build("kind = 'sphere'\nradius_m = inf")).starts_with("radius_m is inf"));
-    assert!(text(build("kind = 'spherocylinder'\nradius_m = 1.0\ntotal_length_m = 1.0")).contains("at least 2 radius_m = 2"));
+    assert!(
+        text(build("kind = 'spherocylinder'\nradius_m = 1.0\ntotal_length_m = 1.0"))
+            .contains("at least 2 radius_m = 2")
+    );
     let ridge = text(build("kind = 'pinacoid'\nlength_m = 1\nwidth_m = 1\nheight_m = 1.8\nalpha_deg = 60"));
     assert!(ridge.starts_with("height_m is 1.8") && ridge.contains("1.73"), "{ridge}");
     assert!(matches!(build("kind = 'composite'\nparts = []"), Err(ShapeError::NoParts { .. })));
     let parts = "kind = 'composite'\n[[parts]]\nshape = { kind = 'cube', edge_m = 1 }\n[[parts]]\n";
-    assert!(text(build(&format!("{parts}shape = {{ kind = 'cube', edge_m = 0 }}"))).starts_with("parts[1].shape.edge_m is 0"));
-    assert!(text(build(&format!("{parts}shape = {{ kind = 'composite', parts = [] }}"))).contains("parts must be convex"));
+    assert!(
+        text(build(&format!("{parts}shape = {{ kind = 'cube', edge_m = 0 }}")))
+            .starts_with("parts[1].shape.edge_m is 0")
+    );
+    assert!(
+        text(build(&format!("{parts}shape = {{ kind = 'composite', parts = [] }}"))).contains("parts must be convex")
+    );
     let zero = format!("{parts}shape = {{ kind = 'cube', edge_m = 1 }}\norientation_wxyz = [0, 0, 0, 0]");
     assert!(text(build(&zero)).starts_with("parts[1].orientation_wxyz has norm 0"));
     assert!(text(build("kind = 'cross_2d'\nbeam_length_m = 1\nbeam_width_m = 1")).contains("longer than"));
@@ -269,7 +284,10 @@ fn descriptions_refuse_unknown_keys_and_round_trip() {
     let parse = toml::from_str::<ShapeDescription>;
     assert!(parse("kind = 'cube'\nedge_m = 1.0\nedge_mm = 3").unwrap_err().to_string().contains("edge_mm"));
     assert!(parse("kind = 'cone'\nedge_m = 1.0").is_err());
-    assert!(parse("kind = 'composite'\nparts = [{ shape = { kind = 'cube', edge_m = 1 }, positon_m = [0, 0, 0] }]").is_err());
+    assert!(
+        parse("kind = 'composite'\nparts = [{ shape = { kind = 'cube', edge_m = 1 }, positon_m = [0, 0, 0] }]")
+            .is_err()
+    );
     let cross = parse("kind = 'cross_3d'\nbeam_length_m = 5.0\nbeam_width_m = 1.0").unwrap();
     let text = toml::to_string(&cross).unwrap();
     assert_eq!(parse(&text).unwrap(), cross);

@@ -29,7 +29,10 @@ fn cost_of_a_call() {
         let face: Vec<Similarity> = (0..2_000)
             .map(|_| {
                 let turn = rotation(random.direction(), 1e-6) * rotation(Vec3::z(), random.between(0.0, 6.0));
-                Similarity::rigid(turn, Vec3::new(random.between(-0.3, 0.3), random.between(-0.3, 0.3), 2.0 * top - 1e-3))
+                Similarity::rigid(
+                    turn,
+                    Vec3::new(random.between(-0.3, 0.3), random.between(-0.3, 0.3), 2.0 * top - 1e-3),
+                )
             })
             .collect();
         let any: Vec<Similarity> = (0..2_000)

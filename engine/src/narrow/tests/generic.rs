@@ -69,7 +69,8 @@ fn sizes_do_not_matter() {
 #[test]
 fn generic_poses_of_unit_size_agree_with_parry() {
     let mut random = Random(3);
-    let shapes = [cube(), pinacoid(1.0), part(&ShapeDescription::Tetrahedron { edge_m: 1.0 }), random_hull(&mut random)];
+    let shapes =
+        [cube(), pinacoid(1.0), part(&ShapeDescription::Tetrahedron { edge_m: 1.0 }), random_hull(&mut random)];
     let mut compared = 0;
     for case in 0..1_000 {
         let (a, b) = (&shapes[random.below(4)], &shapes[random.below(4)]);
@@ -105,13 +106,20 @@ fn edge_contacts_and_face_contacts_both_occur() {
 }
 
 fn similarity() -> impl Strategy<Value = Similarity> {
-    let angle = prop_oneof![Just(0.0), Just(std::f64::consts::FRAC_PI_2), 0.0..3.0, (-14.0..-1.0).prop_map(|e: f64| 10_f64.powf(e))];
+    let angle = prop_oneof![
+        Just(0.0),
+        Just(std::f64::consts::FRAC_PI_2),
+        0.0..3.0,
+        (-14.0..-1.0).prop_map(|e: f64| 10_f64.powf(e))
+    ];
     let axis = prop_oneof![Just([0.0, 0.0, 1.0]), [-1.0..1.0, -1.0..1.0, 0.1..1.0]];
     let offset = prop_oneof![Just([0.0, 0.0, 0.98]), Just([0.5, 0.0, 0.98]), [-0.8..0.8, -0.8..0.8, -0.8..0.8]];
-    (axis, angle, offset, -3.0..3.0).prop_map(|(axis, angle, offset, exponent): ([f64; 3], f64, [f64; 3], f64)| Similarity {
-        rotation: rotation(Vec3::from(axis), angle),
-        translation: Vec3::from(offset),
-        scale: if exponent < 0.0 { 1.0 } else { 2_f64.powf(exponent - 2.0) },
+    (axis, angle, offset, -3.0..3.0).prop_map(|(axis, angle, offset, exponent): ([f64; 3], f64, [f64; 3], f64)| {
+        Similarity {
+            rotation: rotation(Vec3::from(axis), angle),
+            translation: Vec3::from(offset),
+            scale: if exponent < 0.0 { 1.0 } else { 2_f64.powf(exponent - 2.0) },
+        }
     })
 }
 
@@ -130,7 +138,7 @@ proptest! {
         let (a, b) = (cube(), pinacoid(1.0));
         let mut before = pose;
         before.translation *= 1.5;
-        for mut hint in [hint, (3 << 30) | (hint & 0x3fff_ffff) % 12, hint % 6 + (1 << 30), hint % 8 + (2 << 30)] {
+        for mut hint in [hint, (3 << 30) | ((hint & 0x3fff_ffff) % 12), hint % 6 + (1 << 30), hint % 8 + (2 << 30)] {
             let mut scratch = Manifold::default();
             collide(&a, &b, &before, &mut hint, &mut scratch);
             let mut moved = pose;
@@ -167,7 +175,8 @@ fn rotating_both_changes_nothing() {
         let pose = random_pose(&mut random, &a, &b, 1.0, Some(random_depth(case / 2)));
         let turn = random.rotation();
         let turned = Part::new(PartGeometry::Polyhedron(solid(&a).transformed(&turn, &Vec3::zeros())));
-        let turned_pose = Similarity { rotation: turn * pose.rotation, translation: turn * pose.translation, scale: 1.0 };
+        let turned_pose =
+            Similarity { rotation: turn * pose.rotation, translation: turn * pose.translation, scale: 1.0 };
         let (before, after) = (contacts(&a, &b, &pose), contacts(&turned, &b, &turned_pose));
         assert!((depth(&before) - depth(&after)).abs() < 1e-13, "case {case}");
         if brute_force(solid(&a), solid(&b), &pose).lead > 1e-9 {

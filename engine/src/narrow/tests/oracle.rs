@@ -20,7 +20,8 @@ pub(crate) fn brute_force(a: &Polyhedron, b: &Polyhedron, b_to_a: &Similarity) -
     for (p, v) in [(a, &va), (b, &vb)] {
         for f in 0..p.faces().len() {
             let at = |k: usize| v[p.face_vertices(f)[k] as usize];
-            let normal = (2..p.face_vertices(f).len()).map(|k| (at(k - 1) - at(0)).cross(&(at(k) - at(0)))).sum::<Vec3>();
+            let normal =
+                (2..p.face_vertices(f).len()).map(|k| (at(k - 1) - at(0)).cross(&(at(k) - at(0)))).sum::<Vec3>();
             axes.push(normal.normalize());
         }
     }
@@ -44,7 +45,8 @@ pub(crate) fn brute_force(a: &Polyhedron, b: &Polyhedron, b_to_a: &Similarity) -
             found.push((bottom - top, n));
         }
     }
-    let (separation, normal) = found.iter().copied().fold((f64::MIN, Vec3::zeros()), |m, x| if x.0 > m.0 { x } else { m });
+    let (separation, normal) =
+        found.iter().copied().fold((f64::MIN, Vec3::zeros()), |m, x| if x.0 > m.0 { x } else { m });
     let others = found.iter().filter(|x| (x.1 - normal).norm() > 1e-6).map(|x| x.0);
     Answer { separation, normal, lead: separation - others.fold(f64::MIN, f64::max) }
 }

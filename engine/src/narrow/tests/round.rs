@@ -59,7 +59,11 @@ fn spherocylinders_agree_with_sampling() {
     let (a, b) = (capsule(0.3, 2.0), capsule(0.2, 1.5));
     let mut touching = 0;
     for case in 0..5_000 {
-        let turn = if case % 3 == 0 { rotation(random.direction(), 10_f64.powf(random.between(-16.0, -1.0))) } else { random.rotation() };
+        let turn = if case % 3 == 0 {
+            rotation(random.direction(), 10_f64.powf(random.between(-16.0, -1.0)))
+        } else {
+            random.rotation()
+        };
         let pose = Similarity { rotation: turn, translation: random.in_ball() * 1.5, scale: random.between(0.5, 2.0) };
         let ((p, r), (q, s)) = (ends(&a), ends(&b));
         let expected = r + s * pose.scale - sampled_distance(&p, &q.map(|e| pose.point(&e)));
@@ -169,7 +173,11 @@ fn balls_and_polyhedra_agree_with_brute_force() {
         let expected = a.radius - signed_distance(&Vec3::zeros(), solid(b), &pose);
         let size = a.radius + scale;
         let direct = contacts(&a, b, &pose);
-        assert!((depth(&direct) - expected.max(0.0)).abs() < 1e-12 * size, "case {case}: {} {expected}", depth(&direct));
+        assert!(
+            (depth(&direct) - expected.max(0.0)).abs() < 1e-12 * size,
+            "case {case}: {} {expected}",
+            depth(&direct)
+        );
         let swapped = contacts(b, &a, &pose.inverse());
         assert!((depth(&direct) - depth(&swapped) * scale).abs() < 1e-12 * size, "case {case}");
         if let (Some(p), Some(q)) = (direct.points().first(), swapped.points().first()) {
@@ -204,7 +212,11 @@ fn spherocylinders_and_polyhedra_agree_with_brute_force() {
     for case in 0..5_000 {
         let b = &solids[case % solids.len()];
         let a = capsule(0.1, random.between(0.2, 2.0));
-        let turn = if case % 4 == 0 { rotation(random.direction(), 10_f64.powf(random.between(-16.0, -1.0))) } else { random.rotation() };
+        let turn = if case % 4 == 0 {
+            rotation(random.direction(), 10_f64.powf(random.between(-16.0, -1.0)))
+        } else {
+            random.rotation()
+        };
         let scale = 10_f64.powf(random.between(-0.5, 0.5));
         let pose = Similarity { rotation: turn, translation: random.in_ball() * (a.radius + scale), scale };
         let (axis, radius) = ends(&a);
@@ -232,7 +244,8 @@ fn segment_separation(axis: &[Vec3; 2], p: &Polyhedron, to_a: &Similarity) -> f6
     let v = vertices_in_a(p, to_a);
     let mut axes: Vec<Vec3> = p.faces().iter().map(|f| to_a.rotation * f.normal).collect();
     for e in p.edges() {
-        let cross = (v[e.vertices[1] as usize] - v[e.vertices[0] as usize]).normalize().cross(&(axis[1] - axis[0]).normalize());
+        let cross =
+            (v[e.vertices[1] as usize] - v[e.vertices[0] as usize]).normalize().cross(&(axis[1] - axis[0]).normalize());
         if cross.norm() > 1e-15 {
             axes.extend([cross.normalize(), -cross.normalize()]);
         }
@@ -258,7 +271,9 @@ fn a_spherocylinder_lying_on_a_face_touches_at_two_points() {
             let expected = if x == 0.0 { reach } else { [-0.3, 0.1] };
             for (p, x) in carrying.iter().zip(expected) {
                 assert!((p.position.x - x).abs() < 2.0 * tilt + 1e-12, "{}", p.position);
-                assert!((p.overlap - 1e-3).abs() < 2.0 * tilt + 1e-14 && (p.normal + Vec3::z()).norm() < 2.0 * tilt + 1e-14);
+                assert!(
+                    (p.overlap - 1e-3).abs() < 2.0 * tilt + 1e-14 && (p.normal + Vec3::z()).norm() < 2.0 * tilt + 1e-14
+                );
             }
         }
     }
