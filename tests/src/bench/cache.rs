@@ -10,7 +10,7 @@ use super::workload::Workload;
 use crate::scene::snapshot;
 
 /// To be raised when beds should be settled anew: another way to settle, or another engine behaviour.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Poses by id, of the frame in which the shape is given.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -36,10 +36,10 @@ pub fn settled(workload: &Workload, threads: usize, say: &mut dyn FnMut(String))
     let fall_s = (2.0 * workload.loose_height_m() / GRAVITY).sqrt();
     let short_s = (workload.size_m / GRAVITY).sqrt();
     run(&mut engine, fall_s)?;
-    quieten(&mut engine, workload, 1e-3, 2.0 * fall_s)?;
+    quieten(&mut engine, workload, 1e-6, fall_s + 20.0 * short_s)?;
     tell("has fallen", &engine);
     lower_gravity(&mut engine, 1.5 * short_s)?;
-    quieten(&mut engine, workload, 1e-5 * SOFT, 20.0 * short_s)?;
+    quieten(&mut engine, workload, 1e-5 * SOFT, 10.0 * short_s)?;
     tell("is light", &engine);
     let mut engine = workload.from_bed(&Bed::of(&engine), Softness::NONE).start()?;
     engine.set_threads(threads);
