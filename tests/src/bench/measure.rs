@@ -1,0 +1,156 @@
+//! Cost and quality of a step on a settled bed.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use anyhow::ensure;
+use serde::Serialize;
+use sturz_engine::{Engine, Stage, StageTimer};
+
+use super::cache::Bed;
+use super::settle::kinetic;
+use super::workload::{Softness, Workload};
+use crate::scene::{snapshot, steps};
+
+/// How to measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Physics threads.
+    pub threads: usize,
+    /// Steps of each block.
+    pub steps: u64,
+    /// Timed blocks, of which the median counts.
+    pub blocks: usize,
+    /// Untimed steps before: the bed comes without friction history, which must build up.
+    pub warm_up: u64,
+}
+
+/// What `bench --json` writes. Units are in the names; `per_mgd` is per particle over m g size.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measurement {
+    /// Name of the workload.
+    pub workload: String,
+    /// Physics threads.
+    pub threads: usize,
+    /// Steps of each block.
+    pub steps: u64,
+    /// Timed blocks.
+    pub blocks: usize,
+    /// Particles.
+    pub particles: u64,
+    /// Pairs of particles that touch, at the end.
+    pub touching_pairs: u64,
+    /// Pairs of a particle and a wall that touch, at the end.
+    pub touching_boundary_pairs: u64,
+    /// Contact points of both.
+    pub contact_points: u64,
+    /// Median over the blocks.
+    pub particle_steps_per_s: f64,
+    /// Slowest and fastest block.
+    pub particle_steps_per_s_range: [f64; 2],
+    /// Wall time of a step over the touching pairs of particles, microseconds.
+    pub us_per_touching_pair: f64,
+    /// Part of each stage in the time of a step, from a block of its own.
+    pub stage_share: serde_json::Map<String, serde_json::Value>,
+    /// Largest resident memory of the process so far, where the system tells.
+    pub peak_rss_mib: Option<f64>,
+    /// Rebuilds of the neighbour list in all steps.
+    pub neighbour_rebuilds: u64,
+    /// Largest overlap over the smaller bounding radius, at the end.
+    pub largest_overlap_ratio: f64,
+    /// Kinetic energy at the end.
+    pub kinetic_energy_per_mgd: f64,
+    /// Growth of the energy residual over the measured steps.
+    pub energy_residual_per_mgd: f64,
+    /// Simulated time step, s.
+    pub time_step_s: f64,
+    /// Critical time step of a single contact, s.
+    pub critical_time_step_s: f64,
+}
+
+/// Runs the bed and times it.
+pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Measurement> {
+    let mut engine = workload.from_bed(bed, Softness::NONE).start()?;
+    engine.set_threads(plan.threads);
+    let sizes = snapshot(&engine).scales;
+    ensure!(sizes == bed.scales, "the engine gives other sizes to the same seed and ids: raise the cache version");
+    steps(&mut engine, plan.warm_up)?;
+    let before = engine.report();
+    let mut rates = Vec::with_capacity(plan.blocks);
+    for _ in 0..plan.blocks {
+        let start = Instant::now();
+        steps(&mut engine, plan.steps)?;
+        rates.push(engine.len() as f64 * plan.steps as f64 / start.elapsed().as_secs_f64());
+    }
+    rates.sort_unstable_by(f64::total_cmp);
+    let stage_share = stage_shares(&mut engine, plan.steps)?;
+    let report = engine.report();
+    let rate = median(&rates);
+    let per_mgd = 1.0 / (engine.len() as f64 * workload.energy_unit_j());
+    Ok(Measurement {
+        workload: workload.name.to_owned(),
+        threads: plan.threads,
+        steps: plan.steps,
+        blocks: plan.blocks,
+        particles: report.particles,
+        touching_pairs: report.touching_pairs,
+        touching_boundary_pairs: report.touching_boundary_pairs,
+        contact_points: report.contact_points,
+        particle_steps_per_s: rate,
+        particle_steps_per_s_range: [rates[0], rates[rates.len() - 1]],
+        us_per_touching_pair: 1e6 * report.particles as f64 / rate / report.touching_pairs.max(1) as f64,
+        stage_share,
+        peak_rss_mib: peak_rss_mib(),
+        neighbour_rebuilds: report.neighbour_rebuilds,
+        largest_overlap_ratio: report.largest_overlap_ratio,
+        kinetic_energy_per_mgd: kinetic(&engine, workload),
+        energy_residual_per_mgd: (report.energy.residual_j - before.energy.residual_j) * per_mgd,
+        time_step_s: report.time_step_s,
+        critical_time_step_s: report.critical_time_step_s,
+    })
+}
+
+fn median(sorted: &[f64]) -> f64 {
+    let n = sorted.len();
+    0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])
+}
+
+/// Adds up laps; the totals are shared with whoever reads them.
+struct Laps {
+    last: Instant,
+    totals: Arc<Mutex<[Duration; Stage::ALL.len()]>>,
+}
+
+impl StageTimer for Laps {
+    fn begin(&mut self) {
+        self.last = Instant::now();
+    }
+
+    fn lap(&mut self, stage: Stage) {
+        let now = Instant::now();
+        let index = Stage::ALL.iter().position(|&s| s == stage).expect("ALL has every stage");
+        self.totals.lock().expect("no reader panics")[index] += now - self.last;
+        self.last = now;
+    }
+}
+
+/// Part of each stage in a block of steps, which is slower than one without a timer and hence not counted elsewhere.
+fn stage_shares(engine: &mut Engine, n: u64) -> anyhow::Result<serde_json::Map<String, serde_json::Value>> {
+    let totals = Arc::new(Mutex::new([Duration::ZERO; Stage::ALL.len()]));
+    engine.set_timer(Some(Box::new(Laps { last: Instant::now(), totals: Arc::clone(&totals) })));
+    let outcome = steps(engine, n);
+    engine.set_timer(None);
+    outcome?;
+    let totals = totals.lock().expect("no timer panics");
+    let sum: f64 = totals.iter().map(Duration::as_secs_f64).sum();
+    let share = |(stage, total): (&Stage, &Duration)| (stage.name().to_owned(), (total.as_secs_f64() / sum).into());
+    Ok(Stage::ALL.iter().zip(totals.iter()).map(share).collect())
+}
+
+/// `VmHWM` of `/proc/self/status`.
+fn peak_rss_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib / 1024.0)
+}

@@ -1,0 +1,75 @@
+//! `validate`: runs the cases of PHYSICS.md that the engine can do, and compares with their references.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, bail};
+use clap::Parser;
+use sturz_tests::cases::{Case, Row, registry};
+
+/// Compares the engine with closed forms, papers and other programs. Exit code 1 when a comparison fails.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    /// Cases by id, as in PHYSICS.md; all fast ones when there is none
+    ids: Vec<String>,
+    /// List the cases and run none
+    #[arg(long)]
+    list: bool,
+    /// Write the comparisons here, as an array
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Print failures only
+    #[arg(long)]
+    quiet: bool,
+}
+
+fn main() -> anyhow::Result<ExitCode> {
+    let arguments = Arguments::parse();
+    let cases = chosen(&arguments.ids)?;
+    if arguments.list {
+        cases.iter().for_each(|case| println!("{:6} {}{}", case.id, case.title, if case.fast { "" } else { " (slow)" }));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut rows = Vec::new();
+    for case in cases {
+        println!("{} {}", case.id, case.title);
+        let own = case.rows();
+        own.iter().filter(|row| !arguments.quiet || !row.pass).for_each(print_row);
+        rows.extend(own);
+    }
+    let failed = rows.iter().filter(|row| !row.pass).count();
+    let wall_s: f64 = rows.iter().map(|row| row.wall_s).sum();
+    println!("{} comparisons, {failed} failed, {wall_s:.1} s", rows.len());
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&rows)? + "\n";
+        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The cases of these ids, in their order; all fast ones without ids.
+fn chosen(ids: &[String]) -> anyhow::Result<Vec<Case>> {
+    let mut all = registry();
+    if ids.is_empty() {
+        all.retain(|case| case.fast);
+        return Ok(all);
+    }
+    if let Some(unknown) = ids.iter().find(|id| all.iter().all(|case| case.id != **id)) {
+        bail!("no case '{unknown}'; --list shows them");
+    }
+    all.retain(|case| ids.iter().any(|id| id == case.id));
+    Ok(all)
+}
+
+fn print_row(row: &Row) {
+    let mark = if row.pass { "ok  " } else { "FAIL" };
+    if row.unit == "true" {
+        println!("  {mark} {}", row.metric);
+        return;
+    }
+    println!(
+        "  {mark} {:58} {:>15.9e} reference {:>15.9e} +- {:.1e} {}",
+        row.metric, row.value, row.reference, row.tolerance, row.unit
+    );
+}

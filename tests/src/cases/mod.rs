@@ -1,0 +1,136 @@
+//! Cases with references, named by the ids of PHYSICS.md. One file per group.
+
+mod degenerate;
+mod impact;
+mod periodic;
+mod refusals;
+mod rotation;
+mod shapes;
+mod sliding;
+mod stability;
+
+use std::time::Instant;
+
+use serde::Serialize;
+use sturz_engine::Engine;
+
+/// One compared number, as `validate --json` writes it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Id of the case.
+    pub id: &'static str,
+    /// What was measured.
+    pub metric: String,
+    /// What the engine gives.
+    pub value: f64,
+    /// What it should give.
+    pub reference: f64,
+    /// Allowed distance of the two, in the unit of both.
+    pub tolerance: f64,
+    /// Unit; `-` for pure numbers, `true` for statements (1 is true).
+    pub unit: &'static str,
+    /// Whether the distance is within the tolerance.
+    pub pass: bool,
+    /// Wall time since the row before, s.
+    pub wall_s: f64,
+    /// Particle-steps since the row before.
+    pub particle_steps: u64,
+}
+
+/// Takes down what a case measures.
+pub struct Checks {
+    id: &'static str,
+    rows: Vec<Row>,
+    since: Instant,
+    particle_steps: u64,
+}
+
+impl Checks {
+    /// Does `n` steps, which are counted.
+    pub fn steps(&mut self, engine: &mut Engine, n: u64) -> anyhow::Result<()> {
+        self.particle_steps += n * engine.len() as u64;
+        crate::scene::steps(engine, n)
+    }
+
+    /// Steps for a duration, met exactly.
+    pub fn run_for(&mut self, engine: &mut Engine, duration_s: f64) -> anyhow::Result<()> {
+        let n = engine.begin_window(duration_s)?;
+        self.steps(engine, n)?;
+        engine.end_window();
+        Ok(())
+    }
+
+    /// Compares with an absolute tolerance.
+    pub fn near(&mut self, metric: impl Into<String>, value: f64, reference: f64, tolerance: f64, unit: &'static str) {
+        self.rows.push(Row {
+            id: self.id,
+            metric: metric.into(),
+            value,
+            reference,
+            tolerance,
+            unit,
+            pass: (value - reference).abs() <= tolerance,
+            wall_s: self.since.elapsed().as_secs_f64(),
+            particle_steps: std::mem::take(&mut self.particle_steps),
+        });
+        self.since = Instant::now();
+    }
+
+    /// Compares with a tolerance relative to the reference.
+    pub fn close(&mut self, metric: impl Into<String>, value: f64, reference: f64, relative: f64, unit: &'static str) {
+        self.near(metric, value, reference, relative * reference.abs(), unit);
+    }
+
+    /// A number that should be 0, and may be `limit` off.
+    pub fn vanishes(&mut self, metric: impl Into<String>, value: f64, limit: f64, unit: &'static str) {
+        self.near(metric, value, 0.0, limit, unit);
+    }
+
+    /// A statement.
+    pub fn holds(&mut self, metric: impl Into<String>, truth: bool) {
+        self.near(metric, f64::from(u8::from(truth)), 1.0, 0.0, "true");
+    }
+}
+
+/// A case: what is computed, and against what.
+pub struct Case {
+    /// Id in PHYSICS.md.
+    pub id: &'static str,
+    /// One line.
+    pub title: &'static str,
+    /// Whether it runs when no id is given.
+    pub fast: bool,
+    run: fn(&mut Checks) -> anyhow::Result<()>,
+}
+
+impl Case {
+    const fn fast(id: &'static str, title: &'static str, run: fn(&mut Checks) -> anyhow::Result<()>) -> Self {
+        Self { id, title, fast: true, run }
+    }
+
+    /// Runs the case. A case that cannot be run ends with a row that fails and says why.
+    pub fn rows(&self) -> Vec<Row> {
+        let mut checks = Checks { id: self.id, rows: Vec::new(), since: Instant::now(), particle_steps: 0 };
+        if let Err(error) = (self.run)(&mut checks) {
+            checks.holds(format!("ran to its end ({error})"), false);
+        }
+        checks.rows
+    }
+}
+
+/// All cases.
+pub fn registry() -> Vec<Case> {
+    [
+        shapes::cases(),
+        rotation::cases(),
+        impact::cases(),
+        sliding::cases(),
+        stability::cases(),
+        degenerate::cases(),
+        periodic::cases(),
+        refusals::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
