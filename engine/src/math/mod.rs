@@ -1,5 +1,7 @@
 //! Aliases of the nalgebra types that the engine uses, and the similarity transform of scaled particles.
 
+pub(crate) mod parry;
+
 /// Column vector of three f64.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// 3 x 3 matrix of f64.
@@ -29,6 +31,13 @@ impl Similarity {
     /// Rotation and translation without scaling.
     pub fn rigid(rotation: Mat3, translation: Vec3) -> Self {
         Self { rotation, translation, scale: 1.0 }
+    }
+
+    /// Maps `a` into `b`.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        let scale = 1.0 / self.scale;
+        Self { rotation, translation: rotation * self.translation * -scale, scale }
     }
 
     /// Image of a point.

@@ -1,6 +1,6 @@
 //! What a narrow-phase test answers: contact points with their own normals, in the frame of `a`.
 
-use crate::math::Vec3;
+use crate::math::{Similarity, Vec3};
 
 /// Most points that one pair of parts may have; shapes with larger faces are refused when they are built.
 pub const MAX_POINTS: usize = 64;
@@ -32,6 +32,17 @@ impl FeatureKey {
     /// An edge of `a` crossing an edge of `b` (both below 2^15).
     pub const fn edges(edge_a: u32, edge_b: u32) -> Self {
         Self((3 << Self::KIND_SHIFT) | (edge_a << 15) | edge_b)
+    }
+
+    /// The same pair of features when the parts change their roles.
+    pub const fn swapped(self) -> Self {
+        let payload = self.0 & ((1 << Self::KIND_SHIFT) - 1);
+        match self.kind() {
+            1 => Self::vertex_of_b(payload),
+            2 => Self::vertex_of_a(payload),
+            3 => Self::edges(payload & 0x7fff, payload >> 15),
+            _ => self,
+        }
     }
 
     /// 0 point, 1 vertex of a, 2 vertex of b, 3 edge pair.
@@ -92,6 +103,54 @@ impl Manifold {
     #[inline]
     pub fn points_mut(&mut self) -> &mut [ManifoldPoint] {
         &mut self.points[..self.len]
+    }
+
+    /// Number of points.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether nothing touches.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Carries the points from index `first` on into another frame.
+    pub(crate) fn map_from(&mut self, first: usize, to: &Similarity) {
+        for p in &mut self.points[first..self.len] {
+            p.position = to.point(&p.position);
+            p.normal = to.direction(&p.normal);
+            p.overlap *= to.scale;
+            p.share *= to.scale;
+        }
+    }
+
+    /// Changes the roles of `a` and `b` for the points from index `first` on.
+    pub(crate) fn flip_from(&mut self, first: usize) {
+        for p in &mut self.points[first..self.len] {
+            p.normal = -p.normal;
+            p.feature = p.feature.swapped();
+        }
+    }
+
+    /// Adds a point; in a full buffer it takes the place of the shallowest point if it is deeper.
+    ///
+    /// For walls, where any number of vertices of a finely faceted part may touch at once.
+    pub fn push_deepest(&mut self, point: ManifoldPoint) {
+        if self.len < MAX_POINTS {
+            return self.push(point);
+        }
+        let mut shallowest = 0;
+        for (i, p) in self.points.iter().enumerate() {
+            if p.overlap < self.points[shallowest].overlap {
+                shallowest = i;
+            }
+        }
+        if point.overlap > self.points[shallowest].overlap {
+            self.points[shallowest] = point;
+        }
     }
 
     /// Adds a point; beyond [`MAX_POINTS`] (which shapes exclude) it is dropped.

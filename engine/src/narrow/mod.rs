@@ -1,5 +1,126 @@
 //! Contact geometry: which points of two parts touch, where, how deep, and along which normal.
+//!
+//! Everything happens in the frame and the length unit of `a`; `b_to_a` maps the body frame of `b` there. Normals
+//! point from `a` to `b`, positions lie halfway between the surfaces, and only points that touch are reported.
 
+mod clipping;
+mod closest;
 mod manifold;
+mod polyhedron_polyhedron;
+mod round;
+mod separating_axis;
+mod sphere_polyhedron;
+mod sphere_sphere;
+mod sphere_spherocylinder;
+mod spherocylinder_polyhedron;
+mod spherocylinder_spherocylinder;
+#[cfg(test)]
+mod tests;
+mod wall;
 
+pub use closest::{Nearest, above_face, closest_on_segment, farthest_face, point_polyhedron, segment_segment};
 pub use manifold::{FeatureKey, MAX_POINTS, Manifold, ManifoldPoint};
+pub use polyhedron_polyhedron::polyhedron_polyhedron;
+pub use sphere_polyhedron::sphere_polyhedron;
+pub use sphere_sphere::sphere_sphere;
+pub use sphere_spherocylinder::sphere_spherocylinder;
+pub use spherocylinder_polyhedron::spherocylinder_polyhedron;
+pub use spherocylinder_spherocylinder::spherocylinder_spherocylinder;
+pub use wall::{part_cylinder, part_plane};
+
+use crate::math::{Similarity, Vec3};
+use crate::shape::{Part, PartGeometry};
+
+/// A ball, as the functions of this module take it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Its centre.
+    pub center: Vec3,
+    /// Its radius.
+    pub radius: f64,
+}
+
+/// All points within `radius` of a segment, as the functions of this module take it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spherocylinder {
+    /// Ends of the segment.
+    pub ends: [Vec3; 2],
+    /// Radius of cylinder and caps.
+    pub radius: f64,
+}
+
+/// Which function answers for a pair of parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum PairKind {
+    /// [`sphere_sphere`].
+    SphereSphere,
+    /// [`sphere_spherocylinder`].
+    SphereSpherocylinder,
+    /// [`spherocylinder_spherocylinder`].
+    SpherocylinderSpherocylinder,
+    /// [`sphere_polyhedron`].
+    SpherePolyhedron,
+    /// [`spherocylinder_polyhedron`].
+    SpherocylinderPolyhedron,
+    /// [`polyhedron_polyhedron`].
+    PolyhedronPolyhedron,
+}
+
+/// The kind of a pair, for batches, and whether its function takes the parts in the other order.
+pub fn pair_kind(a: &PartGeometry, b: &PartGeometry) -> (PairKind, bool) {
+    use PairKind as K;
+    use PartGeometry as P;
+    match (a, b) {
+        (P::Sphere { .. }, P::Sphere { .. }) => (K::SphereSphere, false),
+        (P::Sphere { .. }, P::Spherocylinder { .. }) => (K::SphereSpherocylinder, false),
+        (P::Sphere { .. }, P::Polyhedron(_)) => (K::SpherePolyhedron, false),
+        (P::Spherocylinder { .. }, P::Sphere { .. }) => (K::SphereSpherocylinder, true),
+        (P::Spherocylinder { .. }, P::Spherocylinder { .. }) => (K::SpherocylinderSpherocylinder, false),
+        (P::Spherocylinder { .. }, P::Polyhedron(_)) => (K::SpherocylinderPolyhedron, false),
+        (P::Polyhedron(_), P::Sphere { .. }) => (K::SpherePolyhedron, true),
+        (P::Polyhedron(_), P::Spherocylinder { .. }) => (K::SpherocylinderPolyhedron, true),
+        (P::Polyhedron(_), P::Polyhedron(_)) => (K::PolyhedronPolyhedron, false),
+    }
+}
+
+/// Appends the contact points of two parts to `out`. `hint` is kept per pair from step to step, first 0.
+pub fn collide(a: &Part, b: &Part, b_to_a: &Similarity, hint: &mut u32, out: &mut Manifold) {
+    let reach = a.radius + b.radius * b_to_a.scale;
+    if (b_to_a.point(&b.center) - a.center).norm_squared() > reach * reach {
+        return;
+    }
+    if pair_kind(&a.geometry, &b.geometry).1 {
+        let first = out.len();
+        collide_in_order(b, a, &b_to_a.inverse(), hint, out);
+        out.map_from(first, b_to_a);
+        out.flip_from(first);
+    } else {
+        collide_in_order(a, b, b_to_a, hint, out);
+    }
+}
+
+/// The table of pairs; the other orders come here swapped.
+fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, hint: &mut u32, out: &mut Manifold) {
+    use PartGeometry as P;
+    let sphere = |center: &Vec3, radius: f64| Sphere { center: *center, radius };
+    let capsule = |ends: &[Vec3; 2], radius: f64| Spherocylinder { ends: *ends, radius };
+    match (&a.geometry, &b.geometry) {
+        (P::Sphere { center: c, radius: r }, P::Sphere { center: d, radius: s }) => {
+            sphere_sphere(&sphere(c, *r), &sphere(d, *s), b_to_a, out);
+        }
+        (P::Sphere { center, radius: r }, P::Spherocylinder { ends, radius: s }) => {
+            sphere_spherocylinder(&sphere(center, *r), &capsule(ends, *s), b_to_a, out);
+        }
+        (P::Spherocylinder { ends: d, radius: r }, P::Spherocylinder { ends: e, radius: s }) => {
+            spherocylinder_spherocylinder(&capsule(d, *r), &capsule(e, *s), b_to_a, out);
+        }
+        (P::Sphere { center, radius }, P::Polyhedron(q)) => {
+            sphere_polyhedron(&sphere(center, *radius), q, b_to_a, out);
+        }
+        (P::Spherocylinder { ends, radius }, P::Polyhedron(q)) => {
+            spherocylinder_polyhedron(&capsule(ends, *radius), q, b_to_a, out);
+        }
+        (P::Polyhedron(p), P::Polyhedron(q)) => polyhedron_polyhedron((a, p), (b, q), b_to_a, hint, out),
+        _ => unreachable!("collide swaps the other orders"),
+    }
+}

@@ -1,12 +1,145 @@
-//! Shapes of particles. (Placeholder until the branch `geometry` lands.)
+//! Shapes: unions of convex parts in the body frame (centre of mass at the origin, principal axes).
 
-/// Placeholder.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum ShapeDescription {
-    /// Ball.
+mod build;
+mod description;
+mod error;
+mod hull;
+mod mass;
+mod polyhedron;
+mod solids;
+mod surface;
+mod union;
+
+pub use description::{PartDescription, ShapeDescription};
+pub use error::ShapeError;
+pub use mass::MassProperties;
+pub use polyhedron::{Edge, Face, MAX_EDGES, MAX_FACE_VERTICES, Polyhedron};
+pub use surface::SurfaceMesh;
+
+#[cfg(test)]
+mod tests;
+
+use crate::math::{Mat3, Quat, Vec3};
+
+/// A checked shape. Immutable; shared by all particles of its kind, which scale it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    parts: Vec<Part>,
+    mass_properties: MassProperties,
+    bounding_radius: f64,
+    given_from_body: (Quat, Vec3),
+}
+
+/// A convex part, in the body frame of its shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Centre of the bounding sphere.
+    pub center: Vec3,
+    /// Radius of the bounding sphere.
+    pub radius: f64,
+    /// The surface.
+    pub geometry: PartGeometry,
+}
+
+/// The convex geometries that the narrow phase knows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PartGeometry {
+    /// A ball.
     Sphere {
-        /// Radius.
-        radius_m: f64,
+        /// Its centre.
+        center: Vec3,
+        /// Its radius.
+        radius: f64,
     },
+    /// All points within `radius` of a segment.
+    Spherocylinder {
+        /// Ends of the segment.
+        ends: [Vec3; 2],
+        /// Radius of cylinder and caps.
+        radius: f64,
+    },
+    /// A convex polyhedron.
+    Polyhedron(Polyhedron),
+}
+
+impl Shape {
+    /// Checks a description and computes all that does not depend on the particle.
+    pub fn build(description: &ShapeDescription) -> Result<Self, ShapeError> {
+        let assembly = build::assemble(description)?;
+        let size = assembly.parts.iter().map(|p| p.center.norm() + p.radius).fold(0.0, f64::max);
+        let (center, axes, mass_properties) = mass::principal(&assembly.moments, size, assembly.relative_error);
+        let (turn, shift) = (axes.transpose(), -(axes.transpose() * center));
+        let parts: Vec<Part> = assembly.parts.iter().map(|p| p.transformed(&turn, &shift)).collect();
+        let bounding_radius = parts.iter().map(Part::reach).fold(0.0, f64::max);
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(axes);
+        let given_from_body = (Quat::from_rotation_matrix(&rotation), center);
+        Ok(Self { parts, mass_properties, bounding_radius, given_from_body })
+    }
+
+    /// Convex parts, in the body frame.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Volume and inertia per unit density.
+    pub fn mass_properties(&self) -> &MassProperties {
+        &self.mass_properties
+    }
+
+    /// Of the sphere about the centre of mass that holds the shape.
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
+    }
+
+    /// Rotation and translation from the body frame to the frame of the description: `x = rotation * x_body + translation`.
+    pub fn given_from_body(&self) -> (Quat, Vec3) {
+        self.given_from_body
+    }
+
+    /// A triangulated surface for drawing, in the body frame.
+    pub fn surface(&self) -> SurfaceMesh {
+        SurfaceMesh::of_parts(&self.parts)
+    }
+}
+
+impl Part {
+    /// With the bounding sphere about the middle of the bounding box.
+    pub(crate) fn new(geometry: PartGeometry) -> Self {
+        let (center, radius) = match &geometry {
+            PartGeometry::Sphere { center, radius } => (*center, *radius),
+            PartGeometry::Spherocylinder { ends, radius } => {
+                ((ends[0] + ends[1]) * 0.5, 0.5 * (ends[1] - ends[0]).norm() + radius)
+            }
+            PartGeometry::Polyhedron(p) => {
+                let first = p.vertices()[0];
+                let (low, high) = p.vertices().iter().fold((first, first), |(l, h), v| (l.inf(v), h.sup(v)));
+                let center = (low + high) * 0.5;
+                (center, p.vertices().iter().map(|v| (v - center).norm()).fold(0.0, f64::max))
+            }
+        };
+        // a little more than measured, so that rounding cannot leave a corner outside
+        Self { center, radius: radius * (1.0 + 1e-14), geometry }
+    }
+
+    fn transformed(&self, rotation: &Mat3, translation: &Vec3) -> Self {
+        let to_body = |x: &Vec3| rotation * x + translation;
+        Self::new(match &self.geometry {
+            PartGeometry::Sphere { center, radius } => {
+                PartGeometry::Sphere { center: to_body(center), radius: *radius }
+            }
+            PartGeometry::Spherocylinder { ends, radius } => {
+                PartGeometry::Spherocylinder { ends: [to_body(&ends[0]), to_body(&ends[1])], radius: *radius }
+            }
+            PartGeometry::Polyhedron(p) => PartGeometry::Polyhedron(p.transformed(rotation, translation)),
+        })
+    }
+
+    /// Largest distance of a point of the part from the origin.
+    fn reach(&self) -> f64 {
+        match &self.geometry {
+            PartGeometry::Sphere { center, radius } => center.norm() + radius,
+            PartGeometry::Spherocylinder { ends, radius } => ends[0].norm().max(ends[1].norm()) + radius,
+            PartGeometry::Polyhedron(p) => p.vertices().iter().map(|v| v.norm()).fold(0.0, f64::max),
+        }
+    }
 }

@@ -1,0 +1,292 @@
+//! Walls and drums with prescribed motion.
+
+use crate::math::{Mat3, Similarity, Vec3};
+use crate::scene::{AngularVelocity, BoundaryDescription, BoundaryGeometry, MotionDescription};
+
+/// Geometry in a wall frame, as the narrow phase wants it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WallShape {
+    /// Half-space z < 0.
+    Plane,
+    /// Outside of the cylinder of this radius about z.
+    CylinderInside(f64),
+}
+
+/// A boundary of the running engine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// Name in the scene.
+    pub name: String,
+    /// Index of the material.
+    pub material: u32,
+    /// Geometry.
+    pub shape: WallShape,
+    /// Point of the plane or axis now, m.
+    pub point: Vec3,
+    /// Wall frame now: the third column is the normal of the plane or the direction of the axis.
+    pub rotation: Mat3,
+    /// Angle turned since the start, rad.
+    pub angle: f64,
+    /// Velocity of the wall frame's points: v(x) = `velocity` + `angular_velocity` x (x - `pivot`).
+    pub velocity: Vec3,
+    /// World axes, rad/s.
+    pub angular_velocity: Vec3,
+    /// A point of the axis of rotation, m.
+    pub pivot: Vec3,
+    motion: Motion,
+}
+
+/// The motion from `start` on.
+#[derive(Clone, Debug, PartialEq)]
+struct Motion {
+    start_time_s: f64,
+    start_point: Vec3,
+    start_rotation: Mat3,
+    start_angle: f64,
+    /// Angular velocity about the new axis when the motion was set.
+    start_rate: f64,
+    description: MotionDescription,
+}
+
+/// Unit vector of an array that validation has shown not to be zero.
+fn unit(v: &[f64; 3]) -> Vec3 {
+    Vec3::from(*v).normalize()
+}
+
+/// A right-handed frame whose third axis is `z`.
+fn frame_with_z(z: &Vec3) -> Mat3 {
+    let smallest = z.iamin();
+    let mut other = Vec3::zeros();
+    other[smallest] = 1.0;
+    let x = other.cross(z).normalize();
+    let y = z.cross(&x);
+    Mat3::from_columns(&[x, y, *z])
+}
+
+impl AngularVelocity {
+    /// (angle, rate) after `t`, starting at `rate0`.
+    fn at(&self, rate0: f64, t: f64) -> (f64, f64) {
+        match *self {
+            AngularVelocity::Constant { rad_per_s } => (rad_per_s * t, rad_per_s),
+            AngularVelocity::Ramp { rad_per_s, duration_s } => {
+                let ramp = t.min(duration_s);
+                let slope = (rad_per_s - rate0) / duration_s;
+                let angle = rate0 * ramp + 0.5 * slope * ramp * ramp + rad_per_s * (t - ramp);
+                (angle, if t < duration_s { rate0 + slope * ramp } else { rad_per_s })
+            }
+        }
+    }
+
+    /// Largest magnitude from now on.
+    fn largest(&self, rate0: f64) -> f64 {
+        match *self {
+            AngularVelocity::Constant { rad_per_s } => rad_per_s.abs(),
+            AngularVelocity::Ramp { rad_per_s, .. } => rad_per_s.abs().max(rate0.abs()),
+        }
+    }
+}
+
+impl Boundary {
+    /// From a validated description, at time 0.
+    pub fn new(description: &BoundaryDescription, material: u32) -> Self {
+        let (shape, point, direction) = match &description.geometry {
+            BoundaryGeometry::Plane { point_m, normal } => (WallShape::Plane, point_m, normal),
+            BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
+                (WallShape::CylinderInside(*radius_m), point_m, axis)
+            }
+        };
+        let rotation = frame_with_z(&unit(direction));
+        let point = Vec3::from(*point);
+        let motion = Motion {
+            start_time_s: 0.0,
+            start_point: point,
+            start_rotation: rotation,
+            start_angle: 0.0,
+            start_rate: 0.0,
+            description: MotionDescription::Fixed,
+        };
+        let mut boundary = Self {
+            name: description.name.clone(),
+            material,
+            shape,
+            point,
+            rotation,
+            angle: 0.0,
+            velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            pivot: point,
+            motion,
+        };
+        boundary.set_motion(description.motion.clone(), 0.0);
+        boundary
+    }
+
+    /// Starts another motion at `time_s`, from the present pose; a ramp starts at the present angular velocity.
+    pub fn set_motion(&mut self, description: MotionDescription, time_s: f64) {
+        let start_rate = match &description {
+            MotionDescription::Rotation { axis, .. } => self.angular_velocity.dot(&unit(axis)),
+            _ => 0.0,
+        };
+        self.motion = Motion {
+            start_time_s: time_s,
+            start_point: self.point,
+            start_rotation: self.rotation,
+            start_angle: self.angle,
+            start_rate,
+            description,
+        };
+        self.move_to(time_s);
+    }
+
+    /// Puts the boundary where it is at `time_s`.
+    pub fn move_to(&mut self, time_s: f64) {
+        let motion = &self.motion;
+        let t = time_s - motion.start_time_s;
+        match &motion.description {
+            MotionDescription::Fixed => {
+                self.velocity = Vec3::zeros();
+                self.angular_velocity = Vec3::zeros();
+            }
+            MotionDescription::Translation { velocity_m_per_s } => {
+                self.velocity = Vec3::from(*velocity_m_per_s);
+                self.angular_velocity = Vec3::zeros();
+                self.point = motion.start_point + self.velocity * t;
+                self.pivot = self.point;
+            }
+            MotionDescription::Rotation { point_m, axis, angular_velocity } => {
+                let axis = unit(axis);
+                let (angle, rate) = angular_velocity.at(motion.start_rate, t);
+                let pivot = Vec3::from(*point_m);
+                self.angle = motion.start_angle + angle;
+                self.velocity = Vec3::zeros();
+                self.angular_velocity = axis * rate;
+                self.pivot = pivot;
+                if !self.turns_in_itself(&pivot, &axis) {
+                    let turn = nalgebra::Rotation3::from_scaled_axis(axis * angle).into_inner();
+                    self.rotation = turn * self.motion.start_rotation;
+                    self.point = pivot + turn * (self.motion.start_point - pivot);
+                }
+            }
+        }
+    }
+
+    /// Whether the rotation maps the surface onto itself, so that its pose need not change.
+    fn turns_in_itself(&self, pivot: &Vec3, axis: &Vec3) -> bool {
+        let direction = self.motion.start_rotation.column(2).into_owned();
+        let parallel = direction.cross(axis).norm() < 1e-14;
+        match self.shape {
+            WallShape::Plane => parallel,
+            WallShape::CylinderInside(radius) => {
+                parallel && (self.motion.start_point - pivot).cross(axis).norm() < 1e-14 * radius
+            }
+        }
+    }
+
+    /// Velocity of the surface at `x`, m/s.
+    #[inline]
+    pub fn surface_velocity(&self, x: &Vec3) -> Vec3 {
+        self.velocity + self.angular_velocity.cross(&(x - self.pivot))
+    }
+
+    /// Bound on how fast the surface moves towards a point within `reach` of the pivot, m/s.
+    pub fn largest_closing_speed(&self, reach: f64) -> f64 {
+        match &self.motion.description {
+            MotionDescription::Fixed => 0.0,
+            MotionDescription::Translation { velocity_m_per_s } => Vec3::from(*velocity_m_per_s).norm(),
+            MotionDescription::Rotation { point_m, axis, angular_velocity } => {
+                if self.turns_in_itself(&Vec3::from(*point_m), &unit(axis)) {
+                    0.0
+                } else {
+                    angular_velocity.largest(self.motion.start_rate) * reach
+                }
+            }
+        }
+    }
+
+    /// Body frame of a particle into the wall frame.
+    #[inline]
+    pub fn wall_from_body(&self, position: &Vec3, rotation: &Mat3, scale: f64) -> Similarity {
+        Similarity {
+            rotation: self.rotation.tr_mul(rotation),
+            translation: self.rotation.tr_mul(&(position - self.point)),
+            scale,
+        }
+    }
+
+    /// Distance of a point from the surface, positive on the particles' side.
+    #[inline]
+    pub fn distance(&self, x: &Vec3) -> f64 {
+        let local = self.rotation.tr_mul(&(x - self.point));
+        match self.shape {
+            WallShape::Plane => local.z,
+            WallShape::CylinderInside(radius) => radius - local.x.hypot(local.y),
+        }
+    }
+
+    /// Present direction (normal or axis).
+    pub fn direction(&self) -> Vec3 {
+        self.rotation.column(2).into_owned()
+    }
+
+    /// Numbers that determine the boundary's future, for the state hash and checkpoints.
+    pub fn state_words(&self) -> [f64; 9] {
+        let (p, w, v) = (self.point, self.angular_velocity, self.velocity);
+        [p.x, p.y, p.z, self.angle, w.x, w.y, w.z, v.norm(), self.motion.start_time_s]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drum() -> Boundary {
+        let description = BoundaryDescription {
+            name: "drum".into(),
+            material: "steel".into(),
+            geometry: BoundaryGeometry::CylinderInside { point_m: [0.0; 3], axis: [0.0, 1.0, 0.0], radius_m: 0.05 },
+            motion: MotionDescription::Fixed,
+        };
+        Boundary::new(&description, 0)
+    }
+
+    fn about_y(angular_velocity: AngularVelocity) -> MotionDescription {
+        MotionDescription::Rotation { point_m: [0.0; 3], axis: [0.0, 1.0, 0.0], angular_velocity }
+    }
+
+    #[test]
+    fn ramp_starts_at_the_present_rate_and_angles_add_up() {
+        let mut drum = drum();
+        drum.set_motion(about_y(AngularVelocity::Constant { rad_per_s: 2.0 }), 1.0);
+        drum.move_to(2.0);
+        assert!((drum.angle - 2.0).abs() < 1e-15);
+        drum.set_motion(about_y(AngularVelocity::Ramp { rad_per_s: 6.0, duration_s: 2.0 }), 2.0);
+        assert!((drum.angular_velocity.y - 2.0).abs() < 1e-15);
+        drum.move_to(3.0);
+        assert!((drum.angular_velocity.y - 4.0).abs() < 1e-15);
+        drum.move_to(5.0);
+        // 2 + mean 4 over the ramp of 2 s + 6 for 1 s more
+        assert!((drum.angle - (2.0 + 8.0 + 6.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn surface_speed_of_the_drum_is_omega_r() {
+        let mut drum = drum();
+        drum.set_motion(about_y(AngularVelocity::Constant { rad_per_s: 2.0 }), 0.0);
+        let v = drum.surface_velocity(&Vec3::new(0.0, 0.3, -0.05));
+        assert!((v - Vec3::new(-0.1, 0.0, 0.0)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn plane_swings_about_a_pivot() {
+        let description = BoundaryDescription {
+            name: "floor".into(),
+            material: "steel".into(),
+            geometry: BoundaryGeometry::Plane { point_m: [1.0, 0.0, 0.0], normal: [0.0, 0.0, 2.0] },
+            motion: about_y(AngularVelocity::Constant { rad_per_s: std::f64::consts::FRAC_PI_2 }),
+        };
+        let mut plane = Boundary::new(&description, 0);
+        plane.move_to(1.0);
+        assert!((plane.direction() - Vec3::x()).norm() < 1e-15);
+        assert!((plane.point - Vec3::new(0.0, 0.0, -1.0)).norm() < 1e-15);
+    }
+}

@@ -1,0 +1,158 @@
+//! Contact geometry of all slots, and the springs of the step before.
+
+use rayon::prelude::*;
+
+use super::law::share_stiffness;
+use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind};
+use crate::boundary::{Boundary, WallShape};
+use crate::math::{Similarity, Vec3};
+use crate::narrow::{self, FeatureKey, Manifold};
+use crate::particles::Particles;
+use crate::scene::Sharing;
+use crate::shape::Shape;
+
+/// What the search reads.
+#[derive(Clone, Copy)]
+pub struct FindInputs<'a> {
+    /// Rows.
+    pub particles: &'a Particles,
+    /// By shape index.
+    pub shapes: &'a [Shape],
+    /// By boundary index.
+    pub boundaries: &'a [Boundary],
+    /// Weights of several points.
+    pub sharing: Sharing,
+    /// Whether springs are carried at all.
+    pub history: bool,
+}
+
+/// Fills each chunk's contacts from the present poses.
+pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
+    let ContactTable { slots, hints, chunks, .. } = table;
+    (slots.par_chunks(CHUNK), hints.par_chunks_mut(CHUNK), chunks.par_iter_mut())
+        .into_par_iter()
+        .for_each(|(slots, hints, chunk)| find_in_chunk(slots, hints, chunk, inputs));
+}
+
+fn find_in_chunk(slots: &[Slot], hints: &mut [u32], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
+    let ContactChunk { contacts, previous, manifold, .. } = chunk;
+    std::mem::swap(contacts, previous);
+    contacts.clear();
+    let mut carried = previous.as_slice();
+    for (index, (slot, hint)) in slots.iter().zip(hints).enumerate() {
+        let index = index as u32;
+        let start = contacts.len();
+        match slot.kind {
+            SlotKind::SphereSphere => sphere_pair(index, slot, inputs.particles, contacts),
+            SlotKind::Parts => part_pair(index, slot, hint, inputs, manifold, contacts),
+            SlotKind::Wall => part_wall(index, slot, inputs, manifold, contacts),
+        }
+        if inputs.history && !carried.is_empty() {
+            carried = carry_springs(index, carried, &mut contacts[start..]);
+        }
+    }
+}
+
+/// Two spheres, straight from the columns.
+#[inline(always)]
+fn sphere_pair(index: u32, slot: &Slot, particles: &Particles, contacts: &mut Vec<Contact>) {
+    let (a, b) = (slot.a as usize, slot.b as usize);
+    let d = particles.separation(a, b);
+    let reach = particles.radius[a] + particles.radius[b];
+    let distance2 = d.norm_squared();
+    if distance2 >= reach * reach {
+        return;
+    }
+    let distance = distance2.sqrt();
+    // Coincident centres have no direction of their own: any fixed one separates them.
+    let normal = if distance > 0.0 { d / distance } else { Vec3::z() };
+    let overlap = reach - distance;
+    contacts.push(Contact {
+        slot: index,
+        feature: FeatureKey::point(0),
+        weight: 1.0,
+        overlap,
+        arm: normal * (particles.radius[a] - 0.5 * overlap),
+        normal,
+        spring: Vec3::zeros(),
+    });
+}
+
+fn part_pair(
+    index: u32,
+    slot: &Slot,
+    hint: &mut u32,
+    inputs: &FindInputs<'_>,
+    manifold: &mut Manifold,
+    contacts: &mut Vec<Contact>,
+) {
+    let particles = inputs.particles;
+    let (a, b) = (slot.a as usize, slot.b as usize);
+    let d = particles.separation(a, b);
+    let reach = particles.radius[a] + particles.radius[b];
+    if d.norm_squared() >= reach * reach {
+        return;
+    }
+    let (rotation_a, scale) = (&particles.rotation[a], particles.scale[a]);
+    let a_from_b = Similarity {
+        rotation: rotation_a.tr_mul(&particles.rotation[b]),
+        translation: rotation_a.tr_mul(&d) / scale,
+        scale: particles.scale[b] / scale,
+    };
+    let part_a = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
+    let part_b = &inputs.shapes[particles.shape[b] as usize].parts()[slot.part_b as usize];
+    manifold.clear();
+    narrow::collide(part_a, part_b, &a_from_b, hint, manifold);
+    share_stiffness(manifold.points_mut(), inputs.sharing);
+    contacts.extend(manifold.points().iter().map(|point| Contact {
+        slot: index,
+        feature: point.feature,
+        weight: point.share,
+        overlap: point.overlap * scale,
+        arm: rotation_a * (point.position * scale),
+        normal: rotation_a * point.normal,
+        spring: Vec3::zeros(),
+    }));
+}
+
+fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Manifold, contacts: &mut Vec<Contact>) {
+    let particles = inputs.particles;
+    let a = slot.a as usize;
+    let boundary = &inputs.boundaries[slot.b as usize];
+    // The neighbour list saw the row one or more periodic cells away: walls stay where they are.
+    if boundary.distance(&particles.position[a]) >= particles.radius[a] {
+        return;
+    }
+    let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
+    let wall_from_body = boundary.wall_from_body(&particles.position[a], &particles.rotation[a], particles.scale[a]);
+    manifold.clear();
+    match boundary.shape {
+        WallShape::Plane => narrow::part_plane(part, &wall_from_body, manifold),
+        WallShape::CylinderInside(radius) => narrow::part_cylinder(part, &wall_from_body, radius, manifold),
+    }
+    share_stiffness(manifold.points_mut(), inputs.sharing);
+    contacts.extend(manifold.points().iter().map(|point| Contact {
+        slot: index,
+        feature: point.feature,
+        weight: point.share,
+        overlap: point.overlap,
+        arm: boundary.rotation * (point.position - wall_from_body.translation),
+        normal: boundary.rotation * point.normal,
+        spring: Vec3::zeros(),
+    }));
+}
+
+/// Copies the springs of slot `index` by feature and returns what is left of the previous contacts.
+#[inline]
+fn carry_springs<'a>(index: u32, previous: &'a [Contact], contacts: &mut [Contact]) -> &'a [Contact] {
+    let own_start = previous.iter().position(|old| old.slot >= index).unwrap_or(previous.len());
+    let rest = &previous[own_start..];
+    let own_len = rest.iter().position(|old| old.slot > index).unwrap_or(rest.len());
+    let (own, rest) = rest.split_at(own_len);
+    for contact in contacts {
+        if let Some(old) = own.iter().find(|old| old.feature == contact.feature) {
+            contact.spring = old.spring;
+        }
+    }
+    rest
+}

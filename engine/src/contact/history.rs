@@ -1,0 +1,69 @@
+//! Tangential springs outside of rows and slots, keyed by ids: what survives a rebuild, and what is hashed.
+
+use super::table::{CHUNK, Contact, ContactTable, SlotKind};
+use crate::math::Vec3;
+use crate::narrow::FeatureKey;
+use crate::particles::Particles;
+
+/// Key of a boundary among ids: above every particle.
+const BOUNDARY: u64 = 1 << 63;
+
+/// One spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringRecord {
+    /// (lower id, higher id or boundary, part, part, feature).
+    pub key: (u64, u64, u16, u16, FeatureKey),
+    /// m
+    pub spring: Vec3,
+}
+
+/// Key of a slot, without the feature.
+fn slot_key(table: &ContactTable, slot: usize, particles: &Particles) -> (u64, u64, u16, u16) {
+    let slot = &table.slots[slot];
+    let b = match slot.kind {
+        SlotKind::Wall => BOUNDARY | u64::from(slot.b),
+        _ => particles.ids[particles.owner(slot.b as usize)],
+    };
+    (particles.ids[slot.a as usize], b, slot.part_a, slot.part_b)
+}
+
+impl ContactTable {
+    /// All springs, sorted by key.
+    pub fn springs(&self, particles: &Particles) -> Vec<SpringRecord> {
+        let mut records: Vec<SpringRecord> = self
+            .contacts()
+            .filter(|(_, contact)| contact.spring != Vec3::zeros())
+            .map(|(slot, contact)| {
+                let (a, b, part_a, part_b) = slot_key(self, slot, particles);
+                SpringRecord { key: (a, b, part_a, part_b, contact.feature), spring: contact.spring }
+            })
+            .collect();
+        records.sort_unstable_by_key(|record| record.key);
+        records
+    }
+
+    /// Gives new slots the springs of the old ones (sorted by key).
+    pub fn restore_springs(&mut self, records: &[SpringRecord], particles: &Particles) {
+        if records.is_empty() {
+            return;
+        }
+        for index in 0..self.slots.len() {
+            let key = slot_key(self, index, particles);
+            let start = records.partition_point(|record| (record.key.0, record.key.1, record.key.2, record.key.3) < key);
+            let own = records[start..]
+                .iter()
+                .take_while(|record| (record.key.0, record.key.1, record.key.2, record.key.3) == key);
+            let slot = (index % CHUNK) as u32;
+            let chunk = &mut self.chunks[index / CHUNK];
+            chunk.contacts.extend(own.map(|record| Contact {
+                slot,
+                feature: record.key.4,
+                weight: 0.0,
+                overlap: 0.0,
+                arm: Vec3::zeros(),
+                normal: Vec3::zeros(),
+                spring: record.spring,
+            }));
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Coulomb friction with a tangential spring kept in the cone.
+
+use crate::math::Vec3;
+
+/// Tangential force of one point on `a`, and the spring after the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TangentialForce {
+    /// N.
+    pub force: Vec3,
+    /// Stretch after truncation to the cone, m.
+    pub spring: Vec3,
+}
+
+/// Turns the spring of the last step into the present tangent plane, keeping its length.
+#[inline(always)]
+fn carried(spring: &Vec3, normal: &Vec3) -> Vec3 {
+    let length2 = spring.norm_squared();
+    let in_plane = spring - normal * spring.dot(normal);
+    let in_plane2 = in_plane.norm_squared();
+    if in_plane2 > 1e-30 * length2 { in_plane * (length2 / in_plane2).sqrt() } else { Vec3::zeros() }
+}
+
+/// f = -(kt xi + ct v), truncated to |f| <= mu f_n; beyond it the spring keeps the length that gives the limit.
+///
+/// `spring` xi (m) is that of the last step, `stretch` (m) the tangential displacement of `a` against `b` since,
+/// `velocity` (m/s) the tangential velocity now. Energy of the spring kt xi^2 / 2. Source: Cundall and Strack (1979).
+#[inline(always)]
+pub fn coulomb_history(
+    [stiffness, damping]: [f64; 2],
+    limit: f64,
+    spring: &Vec3,
+    normal: &Vec3,
+    stretch: &Vec3,
+    velocity: &Vec3,
+) -> TangentialForce {
+    let stretched = carried(spring, normal) + stretch;
+    let trial = -(stretched * stiffness + velocity * damping);
+    let trial2 = trial.norm_squared();
+    if trial2 <= limit * limit {
+        return TangentialForce { force: trial, spring: stretched };
+    }
+    let force = trial * (limit / trial2.sqrt());
+    let spring = if stiffness > 0.0 { -(force + velocity * damping) / stiffness } else { Vec3::zeros() };
+    // A dashpot beyond the cone would otherwise wind the spring up against the sliding direction.
+    let spring = if spring.norm_squared() * stiffness * stiffness > limit * limit {
+        -force / stiffness.max(f64::MIN_POSITIVE)
+    } else {
+        spring
+    };
+    TangentialForce { force, spring }
+}

@@ -1,0 +1,12 @@
+//! Persistent contacts: which pairs may touch, where they do, with what force.
+
+mod evaluate;
+mod find;
+mod history;
+pub mod law;
+mod table;
+
+pub use evaluate::{ForceInputs, evaluate_forces};
+pub use find::{FindInputs, find_contacts};
+pub use history::SpringRecord;
+pub use table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};

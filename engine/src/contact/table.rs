@@ -1,0 +1,166 @@
+//! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
+
+use crate::math::Vec3;
+use crate::narrow::{FeatureKey, Manifold};
+
+/// Slots per task; never a function of the thread count, so that sums per chunk are the same on any number.
+pub const CHUNK: usize = 256;
+
+/// What a slot pairs; slots of one kind are contiguous.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SlotKind {
+    /// Two spheres: no orientation, no part lookup.
+    SphereSphere,
+    /// Two convex parts.
+    Parts,
+    /// A convex part and a boundary.
+    Wall,
+}
+
+/// A pair of parts that may touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slot {
+    /// Row of the particle with the lower id (or of the only one).
+    pub a: u32,
+    /// Row of the other particle, or index of the boundary.
+    pub b: u32,
+    /// Part of `a`.
+    pub part_a: u16,
+    /// Part of `b`; 0 for a boundary.
+    pub part_b: u16,
+    /// What is paired.
+    pub kind: SlotKind,
+}
+
+/// One touching point. World axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Slot within the chunk.
+    pub slot: u32,
+    /// Features that touch.
+    pub feature: FeatureKey,
+    /// Part of the pair's stiffness.
+    pub weight: f64,
+    /// m
+    pub overlap: f64,
+    /// From the centre of `a` to the point, m.
+    pub arm: Vec3,
+    /// From `a` to `b`.
+    pub normal: Vec3,
+    /// Tangential spring, m.
+    pub spring: Vec3,
+}
+
+/// What a slot does to its two sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// On `a`, N; `b` takes the negative.
+    pub force: Vec3,
+    /// On `a` about its centre, N m.
+    pub torque_a: Vec3,
+    /// On `b` about its centre, N m (not kept for boundaries).
+    pub torque_b: Vec3,
+    /// Touching points; 0: the rest is not read.
+    pub points: u32,
+}
+
+/// Sums and maxima of a chunk, added up in the order of chunks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// J
+    pub elastic_normal: f64,
+    /// J
+    pub elastic_tangential: f64,
+    /// Taken by normal dashpots, W.
+    pub power_normal: f64,
+    /// Of tangential forces against the relative motion, W.
+    pub power_tangential: f64,
+    /// Done by boundaries on particles, W.
+    pub power_boundaries: f64,
+    /// Largest overlap, m.
+    pub largest_overlap: f64,
+    /// Largest overlap over the smaller bounding radius.
+    pub largest_ratio: f64,
+    /// Slot (in the table) of the largest ratio.
+    pub largest_slot: u32,
+    /// Touching points by kind: smooth, vertex-face, edge-edge.
+    pub points_by_kind: [u64; 3],
+}
+
+impl Sums {
+    /// Adds the next chunk.
+    pub fn add(&mut self, other: &Sums) {
+        self.elastic_normal += other.elastic_normal;
+        self.elastic_tangential += other.elastic_tangential;
+        self.power_normal += other.power_normal;
+        self.power_tangential += other.power_tangential;
+        self.power_boundaries += other.power_boundaries;
+        self.largest_overlap = self.largest_overlap.max(other.largest_overlap);
+        if other.largest_ratio > self.largest_ratio {
+            self.largest_ratio = other.largest_ratio;
+            self.largest_slot = other.largest_slot;
+        }
+        for kind in 0..3 {
+            self.points_by_kind[kind] += other.points_by_kind[kind];
+        }
+    }
+}
+
+/// Contacts of [`CHUNK`] slots, this step's and the last one's, and scratch.
+#[derive(Clone, Debug, Default)]
+pub struct ContactChunk {
+    /// In the order of slots.
+    pub contacts: Vec<Contact>,
+    /// Of the step before; only slot, feature and spring are read.
+    pub previous: Vec<Contact>,
+    /// Sums of this step.
+    pub sums: Sums,
+    /// Scratch.
+    pub manifold: Manifold,
+}
+
+/// All slots.
+#[derive(Clone, Debug, Default)]
+pub struct ContactTable {
+    /// Grouped by kind.
+    pub slots: Vec<Slot>,
+    /// Last separating axis of each slot: may only skip work whose answer it proves.
+    pub hints: Vec<u32>,
+    /// Result of each slot.
+    pub wrenches: Vec<Wrench>,
+    /// Contacts, [`CHUNK`] slots each.
+    pub chunks: Vec<ContactChunk>,
+}
+
+impl ContactTable {
+    /// Takes new slots; contacts and wrenches are emptied, buffers kept.
+    pub fn reset(&mut self, slots: impl Iterator<Item = Slot>) {
+        self.slots.clear();
+        self.slots.extend(slots);
+        let n = self.slots.len();
+        self.hints.clear();
+        self.hints.resize(n, 0);
+        self.wrenches.clear();
+        self.wrenches.resize(n, Wrench::default());
+        self.chunks.resize_with(n.div_ceil(CHUNK), ContactChunk::default);
+        for chunk in &mut self.chunks {
+            chunk.contacts.clear();
+            chunk.previous.clear();
+            chunk.sums = Sums::default();
+        }
+    }
+
+    /// Contacts with the index of their slot in the table, in order.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        self.chunks.iter().enumerate().flat_map(|(k, chunk)| {
+            chunk.contacts.iter().map(move |contact| (k * CHUNK + contact.slot as usize, contact))
+        })
+    }
+
+    /// Sums over all chunks, in order.
+    pub fn sums(&self) -> Sums {
+        let mut sums = Sums::default();
+        self.chunks.iter().for_each(|chunk| sums.add(&chunk.sums));
+        sums
+    }
+}

@@ -1,0 +1,140 @@
+//! Largest stable time step of one contact under this integrator, from stiffness, damping, mass and inertia.
+
+use std::f64::consts::PI;
+
+use crate::contact::law::PairLaw;
+
+/// What a particle brings into the bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// kg
+    pub mass: f64,
+    /// Smallest principal moment, kg m2.
+    pub smallest_inertia: f64,
+    /// Longest lever of a normal force about the centre of mass, m: 0 for a sphere.
+    pub normal_lever: f64,
+    /// Longest lever of a tangential force, m.
+    pub tangential_lever: f64,
+}
+
+impl Body {
+    /// Inverse effective mass at the longest normal lever, 1/kg.
+    fn inverse_normal_mass(&self) -> f64 {
+        1.0 / self.mass + self.normal_lever * self.normal_lever / self.smallest_inertia
+    }
+
+    /// Inverse effective mass at the longest tangential lever, 1/kg.
+    fn inverse_tangential_mass(&self) -> f64 {
+        1.0 / self.mass + self.tangential_lever * self.tangential_lever / self.smallest_inertia
+    }
+}
+
+/// Bounds of one contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactBounds {
+    /// Above this step a single contact is unstable, s.
+    pub critical_time_step_s: f64,
+    /// Duration of a central collision, s.
+    pub duration_s: f64,
+}
+
+/// Largest omega dt for which the damped oscillator stays bounded under velocity Verlet with the dashpot velocity
+/// predicted at the full step, v_n+1 = v_n + a_n dt.
+///
+/// Found by bisection with Jury's criterion on the 3 x 3 map of (x, v dt, a dt^2); 2 at zeta = 0.
+pub fn largest_stable_product(zeta: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 2.0 + 1e-9);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if is_stable(middle, zeta) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// Jury's criterion for the 3 x 3 map of one step.
+fn is_stable(omega_dt: f64, zeta: f64) -> bool {
+    let (k, c) = (omega_dt * omega_dt, 2.0 * zeta * omega_dt);
+    // x' = x + v + a/2; a' = -k x' - c (v + a); v' = v + (a + a')/2
+    let row_a = [-k, -k - c, -0.5 * k - c];
+    let m = [
+        [1.0, 1.0, 0.5],
+        [0.5 * row_a[0], 1.0 + 0.5 * row_a[1], 0.5 + 0.5 * row_a[2]],
+        row_a,
+    ];
+    let minor = |i: usize, j: usize| m[i][i] * m[j][j] - m[i][j] * m[j][i];
+    let c2 = -(m[0][0] + m[1][1] + m[2][2]);
+    let c1 = minor(0, 1) + minor(0, 2) + minor(1, 2);
+    let c0 = -nalgebra::Matrix3::from_fn(|i, j| m[i][j]).determinant();
+    // Undamped motion lies on the unit circle: allow rounding there.
+    let slack = 1e-12;
+    1.0 + c2 + c1 + c0 >= -slack
+        && 1.0 - c2 + c1 - c0 >= -slack
+        && c0.abs() <= 1.0 + slack
+        && (c1 - c0 * c2).abs() <= 1.0 - c0 * c0 + slack
+}
+
+/// Bounds of a contact of `a` with `b`, or with a boundary of infinite mass.
+pub fn contact_bounds(law: &PairLaw, a: &Body, b: Option<&Body>) -> ContactBounds {
+    let inverse_reduced = 1.0 / a.mass + b.map_or(0.0, |b| 1.0 / b.mass);
+    let damping = law.damping(1.0 / inverse_reduced);
+    let bound = |stiffness: f64, damping: f64, inverse_mass: f64| {
+        let omega = (stiffness * inverse_mass).sqrt();
+        if omega > 0.0 {
+            largest_stable_product(0.5 * damping * inverse_mass / omega) / omega
+        } else if damping > 0.0 {
+            2.0 / (damping * inverse_mass)
+        } else {
+            f64::INFINITY
+        }
+    };
+    let inverse_normal = a.inverse_normal_mass() + b.map_or(0.0, Body::inverse_normal_mass);
+    let mut critical = bound(law.stiffness, damping, inverse_normal);
+    if law.friction > 0.0 {
+        let inverse_tangential = a.inverse_tangential_mass() + b.map_or(0.0, Body::inverse_tangential_mass);
+        let tangential_damping = law.tangential_damping_ratio * damping;
+        critical = critical.min(bound(law.tangential_stiffness, tangential_damping, inverse_tangential));
+    }
+    let omega = (law.stiffness * inverse_reduced).sqrt();
+    let zeta = 0.5 * damping * inverse_reduced / omega;
+    // Beyond critical damping there is no half period; the undamped one is the scale that remains.
+    let damped = if zeta < 1.0 { omega * (1.0 - zeta * zeta).sqrt() } else { omega };
+    ContactBounds { critical_time_step_s: critical, duration_s: PI / damped }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Largest |x| after many steps of the same recursion as the engine's, from x = 1.
+    fn amplitude(omega_dt: f64, zeta: f64) -> f64 {
+        let (mut x, mut v) = (1.0, 0.0);
+        let mut a = -omega_dt * omega_dt * x;
+        let mut largest = 0.0f64;
+        for _ in 0..4000 {
+            let half = v + 0.5 * a;
+            x += half;
+            let predicted = half + 0.5 * a;
+            a = -omega_dt * omega_dt * x - 2.0 * zeta * omega_dt * predicted;
+            v = half + 0.5 * a;
+            largest = largest.max(x.abs());
+            if !largest.is_finite() || largest > 1e12 {
+                return f64::INFINITY;
+            }
+        }
+        largest
+    }
+
+    #[test]
+    fn limit_separates_bounded_from_growing_motion() {
+        assert!((largest_stable_product(0.0) - 2.0).abs() < 1e-5);
+        for zeta in [0.02, 0.05, 0.2, 0.5, 1.0, 2.0] {
+            let limit = largest_stable_product(zeta);
+            assert!(amplitude(0.995 * limit, zeta) < 100.0, "zeta {zeta} limit {limit}");
+            assert!(amplitude(1.005 * limit, zeta) > 1e3, "zeta {zeta} limit {limit}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Half kick, drift, and the second half kick, over chunks of rows.
+
+use rayon::prelude::*;
+
+use super::omelyan;
+use crate::math::Vec3;
+use crate::particles::{ContactMotion, Particles};
+
+/// Rows per task: small enough to balance, large enough to amortise; never a function of the thread count.
+const CHUNK: usize = 512;
+
+/// Troubles met in a drift.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriftReport {
+    /// Rows whose rotation did not converge.
+    pub not_converged: u64,
+    /// Largest displacement over the bounding radius.
+    pub largest_relative_displacement: f64,
+}
+
+impl DriftReport {
+    fn merged(self, other: Self) -> Self {
+        Self {
+            not_converged: self.not_converged + other.not_converged,
+            largest_relative_displacement: self.largest_relative_displacement.max(other.largest_relative_displacement),
+        }
+    }
+}
+
+/// v and J to the middle of the step, x and the orientation to its end; predicts the velocities there.
+pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool]) -> DriftReport {
+    let n = particles.n_owned();
+    let Particles {
+        position, velocity, orientation, angular_momentum, force, torque, shape, radius, mass, inertia, rotation, motion, ..
+    } = particles;
+    let (force, torque, shape, radius, mass, inertia) = (&*force, &*torque, &*shape, &*radius, &*mass, &*inertia);
+    let rows = (
+        position[..n].par_iter_mut(),
+        velocity[..n].par_iter_mut(),
+        orientation[..n].par_iter_mut(),
+        angular_momentum[..n].par_iter_mut(),
+        rotation[..n].par_iter_mut(),
+        motion[..n].par_iter_mut(),
+    );
+    let half = 0.5 * dt;
+    rows.into_par_iter()
+        .enumerate()
+        .with_min_len(CHUNK)
+        .map(|(row, (x, v, q, momentum, rotation, motion))| {
+            let acceleration = force[row] / mass[row] + gravity;
+            *v += acceleration * half;
+            *x += *v * dt;
+            motion.mean_velocity = *v;
+            motion.velocity = *v + acceleration * half;
+            *momentum += torque[row] * half;
+            let predicted = *momentum + torque[row] * half;
+            let inertia = &inertia[row];
+            let mut converged = true;
+            if rotates[shape[row] as usize] {
+                let middle = omelyan::middle_angular_velocity(&rotation.tr_mul(momentum), inertia, dt);
+                converged = middle.converged;
+                *q = omelyan::turned(q, &middle.angular_velocity_in_body, dt);
+                *rotation = q.to_rotation_matrix().into_inner();
+                // The Cayley map leaves its own axis alone, so the new rotation may carry it to world axes.
+                motion.mean_angular_velocity = *rotation * middle.angular_velocity_in_body;
+                motion.angular_velocity = *rotation * rotation.tr_mul(&predicted).component_div(inertia);
+            } else {
+                motion.mean_angular_velocity = *momentum / inertia.x;
+                motion.angular_velocity = predicted / inertia.x;
+            }
+            DriftReport {
+                not_converged: u64::from(!converged),
+                largest_relative_displacement: motion.mean_velocity.norm() * dt / radius[row],
+            }
+        })
+        .reduce(DriftReport::default, DriftReport::merged)
+}
+
+/// v and J from the middle of the step to its end, with the forces there. Returns the first row that is not finite.
+pub fn kick(particles: &mut Particles, gravity: &Vec3, dt: f64) -> Option<usize> {
+    let n = particles.n_owned();
+    let Particles { position, velocity, angular_momentum, force, torque, mass, motion: _, .. } = particles;
+    let (position, force, torque, mass) = (&*position, &*force, &*torque, &*mass);
+    let half = 0.5 * dt;
+    (velocity[..n].par_iter_mut(), angular_momentum[..n].par_iter_mut())
+        .into_par_iter()
+        .enumerate()
+        .with_min_len(CHUNK)
+        .filter_map(|(row, (v, momentum))| {
+            *v += (force[row] / mass[row] + gravity) * half;
+            *momentum += torque[row] * half;
+            // One sum is finite only if every term is (or overflows, which is as bad).
+            let sum = v.sum() + momentum.sum() + position[row].sum();
+            if sum.is_finite() { None } else { Some(row) }
+        })
+        .min()
+}
+
+impl ContactMotion {
+    /// Motion of a point at `arm` from the centre: (velocity at the full step, mean velocity over the step).
+    #[inline(always)]
+    pub fn at(&self, arm: &Vec3) -> (Vec3, Vec3) {
+        (
+            self.velocity + self.angular_velocity.cross(arm),
+            self.mean_velocity + self.mean_angular_velocity.cross(arm),
+        )
+    }
+}

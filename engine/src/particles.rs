@@ -1,0 +1,214 @@
+//! The particles as columns, rows in spatial order: `[owned | ghosts]`, ghosts being shifted periodic images.
+
+use crate::math::{Mat3, Quat, Vec3};
+
+/// What a row needs to be made.
+#[derive(Clone, Copy, Debug)]
+pub struct NewParticle {
+    /// Never reused.
+    pub id: u64,
+    /// Index of the shape.
+    pub shape: u32,
+    /// Index of the material.
+    pub material: u32,
+    /// Homothety.
+    pub scale: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Principal moments of inertia, kg m2.
+    pub inertia: Vec3,
+    /// Bounding radius about the centre of mass, m.
+    pub radius: f64,
+    /// Centre of mass, m.
+    pub position: Vec3,
+    /// World from body.
+    pub orientation: Quat,
+    /// m/s.
+    pub velocity: Vec3,
+    /// World axes, rad/s.
+    pub angular_velocity: Vec3,
+}
+
+/// Columns by use. The first group moves, the second describes, the third is scratch of one step.
+#[derive(Clone, Debug, Default)]
+pub struct Particles {
+    /// Ids (n_owned).
+    pub ids: Vec<u64>,
+    /// Centre of mass, m (n_owned + n_ghosts).
+    pub position: Vec<Vec3>,
+    /// m/s (n_owned).
+    pub velocity: Vec<Vec3>,
+    /// World from body (n_owned).
+    pub orientation: Vec<Quat>,
+    /// World axes about the centre of mass, kg m2/s (n_owned).
+    pub angular_momentum: Vec<Vec3>,
+    /// Sum of the contact forces, N (n_owned).
+    pub force: Vec<Vec3>,
+    /// Sum of the contact torques about the centre of mass, world axes, N m (n_owned).
+    pub torque: Vec<Vec3>,
+    /// Periodic cells crossed since the insertion (n_owned).
+    pub image: Vec<[i32; 3]>,
+
+    /// Index of the shape (n_owned + n_ghosts).
+    pub shape: Vec<u32>,
+    /// Index of the material (n_owned + n_ghosts).
+    pub material: Vec<u32>,
+    /// Homothety of the shape (n_owned + n_ghosts).
+    pub scale: Vec<f64>,
+    /// Bounding radius, m (n_owned + n_ghosts).
+    pub radius: Vec<f64>,
+    /// kg (n_owned + n_ghosts).
+    pub mass: Vec<f64>,
+    /// Principal moments, kg m2 (n_owned).
+    pub inertia: Vec<Vec3>,
+
+    /// World from body as a matrix (n_owned + n_ghosts).
+    pub rotation: Vec<Mat3>,
+    /// Velocities that the contact laws see (n_owned + n_ghosts).
+    pub motion: Vec<ContactMotion>,
+    /// Whole periodic cells between `position` (always wrapped) and where the neighbour list saw the row, m
+    /// (n_owned + n_ghosts). Two rows are `(x_b - x_a) + (o_b - o_a)` apart, in these very operations, so that the
+    /// bits do not depend on when the list was rebuilt.
+    pub offset: Vec<Vec3>,
+    /// Which row a ghost is an image of (n_ghosts).
+    pub ghost_owner: Vec<u32>,
+    /// Offset of the ghost less that of its owner, m (n_ghosts).
+    pub ghost_shift: Vec<Vec3>,
+}
+
+/// Velocities of one particle during the force evaluation, world axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContactMotion {
+    /// Predicted at the full step, m/s: a dashpot that lags by half a step makes the scheme first order.
+    pub velocity: Vec3,
+    /// Predicted at the full step, rad/s.
+    pub angular_velocity: Vec3,
+    /// Mean over the step, m/s: what the tangential spring stretches by.
+    pub mean_velocity: Vec3,
+    /// Mean over the step, rad/s.
+    pub mean_angular_velocity: Vec3,
+}
+
+impl Particles {
+    /// Rows that are not images.
+    pub fn n_owned(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Row that `row` is an image of, or itself.
+    #[inline]
+    pub fn owner(&self, row: usize) -> usize {
+        if row < self.n_owned() { row } else { self.ghost_owner[row - self.n_owned()] as usize }
+    }
+
+    /// Appends an owned row; there must be no ghosts.
+    pub fn push(&mut self, new: &NewParticle) {
+        debug_assert!(self.ghost_owner.is_empty());
+        let rotation = new.orientation.to_rotation_matrix().into_inner();
+        self.ids.push(new.id);
+        self.position.push(new.position);
+        self.velocity.push(new.velocity);
+        self.orientation.push(new.orientation);
+        let angular_velocity_in_body = rotation.tr_mul(&new.angular_velocity);
+        self.angular_momentum.push(rotation * new.inertia.component_mul(&angular_velocity_in_body));
+        self.force.push(Vec3::zeros());
+        self.torque.push(Vec3::zeros());
+        self.image.push([0; 3]);
+        self.shape.push(new.shape);
+        self.material.push(new.material);
+        self.scale.push(new.scale);
+        self.radius.push(new.radius);
+        self.mass.push(new.mass);
+        self.inertia.push(new.inertia);
+        self.rotation.push(rotation);
+        self.motion.push(ContactMotion::default());
+        self.offset.push(Vec3::zeros());
+    }
+
+    /// Forgets the ghosts.
+    pub fn drop_ghosts(&mut self) {
+        let n = self.n_owned();
+        self.position.truncate(n);
+        self.shape.truncate(n);
+        self.material.truncate(n);
+        self.scale.truncate(n);
+        self.radius.truncate(n);
+        self.mass.truncate(n);
+        self.rotation.truncate(n);
+        self.motion.truncate(n);
+        self.offset.truncate(n);
+        self.ghost_owner.clear();
+        self.ghost_shift.clear();
+    }
+
+    /// Appends an image of `owner`.
+    pub fn push_ghost(&mut self, owner: usize, shift: Vec3) {
+        self.position.push(self.position[owner]);
+        self.shape.push(self.shape[owner]);
+        self.material.push(self.material[owner]);
+        self.scale.push(self.scale[owner]);
+        self.radius.push(self.radius[owner]);
+        self.mass.push(self.mass[owner]);
+        self.rotation.push(self.rotation[owner]);
+        self.motion.push(self.motion[owner]);
+        self.offset.push(self.offset[owner] + shift);
+        self.ghost_owner.push(owner as u32);
+        self.ghost_shift.push(shift);
+    }
+
+    /// Copies the moving columns of the owners to their ghosts.
+    pub fn update_ghosts(&mut self) {
+        let n = self.n_owned();
+        for (k, (&owner, shift)) in self.ghost_owner.iter().zip(&self.ghost_shift).enumerate() {
+            let owner = owner as usize;
+            self.position[n + k] = self.position[owner];
+            self.offset[n + k] = self.offset[owner] + shift;
+            self.rotation[n + k] = self.rotation[owner];
+            self.motion[n + k] = self.motion[owner];
+        }
+    }
+
+    /// Puts the owned rows into the order `rows` (row `rows[k]` becomes row k); rows left out are removed.
+    pub fn select(&mut self, rows: &[u32]) {
+        debug_assert!(self.ghost_owner.is_empty());
+        fn column<T: Copy>(values: &mut Vec<T>, rows: &[u32]) {
+            *values = rows.iter().map(|&row| values[row as usize]).collect();
+        }
+        column(&mut self.ids, rows);
+        column(&mut self.position, rows);
+        column(&mut self.velocity, rows);
+        column(&mut self.orientation, rows);
+        column(&mut self.angular_momentum, rows);
+        column(&mut self.force, rows);
+        column(&mut self.torque, rows);
+        column(&mut self.image, rows);
+        column(&mut self.shape, rows);
+        column(&mut self.material, rows);
+        column(&mut self.scale, rows);
+        column(&mut self.radius, rows);
+        column(&mut self.mass, rows);
+        column(&mut self.inertia, rows);
+        column(&mut self.rotation, rows);
+        column(&mut self.motion, rows);
+        column(&mut self.offset, rows);
+    }
+
+    /// Vector from `a` to `b`.
+    #[inline(always)]
+    pub fn separation(&self, a: usize, b: usize) -> Vec3 {
+        (self.position[b] - self.position[a]) + (self.offset[b] - self.offset[a])
+    }
+
+    /// Angular velocity of an owned row in world axes, rad/s.
+    pub fn angular_velocity(&self, row: usize) -> Vec3 {
+        let in_body = self.rotation[row].tr_mul(&self.angular_momentum[row]).component_div(&self.inertia[row]);
+        self.rotation[row] * in_body
+    }
+
+    /// Owned rows in ascending order of id.
+    pub fn rows_by_id(&self) -> Vec<u32> {
+        let mut rows: Vec<u32> = (0..self.n_owned() as u32).collect();
+        rows.sort_unstable_by_key(|&row| self.ids[row as usize]);
+        rows
+    }
+}
