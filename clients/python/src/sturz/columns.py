@@ -38,7 +38,9 @@ def decode(column: pb.Column, rows: int | None = None) -> NDArray[Any]:
     return values if components == 1 else values.reshape(found, components)
 
 
-def encode(name: str, values: ArrayLike, *, components: int, unit: str = "", dtype: int = pb.DATA_TYPE_F64) -> pb.Column:
+def encode(
+    name: str, values: ArrayLike, *, components: int, unit: str = "", dtype: int = pb.DATA_TYPE_F64
+) -> pb.Column:
     """Column from an array of shape (rows,) for one component, else (rows, components).
 
     Raises:
