@@ -13,7 +13,7 @@ import zenoh
 import zenoh.ext
 
 from ._proto.sturz.v1 import command_pb2 as pb
-from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, Timeout
+from .errors import CommandError, DaemonGone, ErrorCode, NoAnswer, NotConnected, Timeout
 
 # Longer than any run; zenoh wants a number.
 _NO_LIMIT_S = 1e7
@@ -39,7 +39,7 @@ def _open(endpoint: str, timeout_s: float) -> zenoh.Session:
             return zenoh.open(config)
         except zenoh.ZError as error:
             if time.monotonic() >= deadline:
-                raise NotConnected(f"no daemon listens at {endpoint}: {error}") from None
+                raise NotConnected(f"no daemon listens at {endpoint}") from error
             time.sleep(0.05)
 
 
@@ -97,7 +97,7 @@ class Bus:
             answers.put(_GONE)
         for listener in listeners:
             listener(False)
-        self._session.close()
+        self._session.close()  # type: ignore[no-untyped-call]
 
     def check(self) -> None:
         """Raises when there is nobody to talk to."""
@@ -147,7 +147,7 @@ class Bus:
             while not self.gone and time.monotonic() < end:
                 time.sleep(0.01)
             self.check()
-            raise Timeout(f"{key}: the daemon gave no answer (unknown key, or no right to ask)")
+            raise NoAnswer(f"{key}: the daemon gave no answer (an unknown key, or no right to ask)")
         if answer is _GONE:
             self.check()
             raise DaemonGone(f"{key}: the daemon ended before it answered")
@@ -169,7 +169,7 @@ class Bus:
                 expression,
                 zenoh.handlers.Callback(take),
                 history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
-                recovery=zenoh.ext.RecoveryConfig(heartbeat=True),
+                recovery=zenoh.ext.RecoveryConfig(heartbeat=True),  # type: ignore[call-arg]
             )
             return events.undeclare
         return self._session.declare_subscriber(expression, zenoh.handlers.Callback(take)).undeclare

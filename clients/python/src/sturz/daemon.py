@@ -51,8 +51,9 @@ def _end(process: subprocess.Popen[str], patience_s: float) -> None:
         # The daemon ends when its standard input does.
         with contextlib.suppress(OSError):
             process.stdin.close()
-    for insist in (lambda: None, process.terminate, process.kill):
-        insist()
+    for insist in (None, process.terminate, process.kill):
+        if insist is not None:
+            insist()
         try:
             process.wait(timeout=patience_s)
             return

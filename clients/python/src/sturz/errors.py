@@ -48,6 +48,10 @@ class Timeout(SturzError, TimeoutError):
     """No answer in time. The request may have been applied: the same call with the same request id finds out."""
 
 
+class NoAnswer(SturzError):
+    """The daemon lives, and nobody answers this key: it does not know it, or this client may not ask."""
+
+
 class ProtocolError(SturzError):
     """An answer that this client cannot read."""
 

@@ -14,7 +14,7 @@ from ._proto.sturz.v1 import data_pb2 as pb
 from .errors import ProtocolError
 from .state import ColumnMissing, Header
 
-QUANTITIES: dict[str, int] = {
+QUANTITIES: dict[str, pb.FieldQuantity] = {
     "solid_fraction": pb.FIELD_QUANTITY_SOLID_FRACTION,
     "density": pb.FIELD_QUANTITY_DENSITY,
     "momentum": pb.FIELD_QUANTITY_MOMENTUM,

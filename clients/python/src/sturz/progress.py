@@ -1,4 +1,4 @@
-"""A bar for long windows: simulated time, speed, time left."""
+"""A bar for long windows: simulated time, speed (simulated over wall seconds), time left."""
 
 from __future__ import annotations
 
@@ -22,16 +22,20 @@ class ProgressBar:
             total=self._length,
             desc=label,
             file=sys.stderr,
-            bar_format="{desc} {percentage:3.0f}% |{bar}| {postfix} [{elapsed}<{remaining}]",
+            bar_format=self._format(""),
             leave=True,
         )
         self._show(from_time_s, "")
+
+    @staticmethod
+    def _format(text: str) -> str:
+        return f"{{desc}} {{percentage:3.0f}}% |{{bar:30}}| {text} [{{elapsed}}<{{remaining}}]"
 
     def _show(self, time_s: float, more: str) -> None:
         done = min(max(time_s - self._from, 0.0), self._length)
         self._bar.n = done
         speed = done / max(time.monotonic() - self._started, 1e-9)
-        self._bar.postfix = f"t = {time_s:.4f} s, {speed:.3g} s/s{more}"
+        self._bar.bar_format = self._format(f"t = {time_s:.4f} s, {speed:.3g} s/s{more}")
         self._bar.refresh()
 
     def update(self, report: Report) -> None:

@@ -266,7 +266,7 @@ class Simulation:
             except Timeout as timeout:
                 if attempt >= retries:
                     raise Timeout(f"{timeout} (request id {request.header.request_id!r})") from None
-        outcome = pb.Outcome.FromString(answer)
+        outcome: pb.Outcome = pb.Outcome.FromString(answer)
         if outcome.WhichOneof("result") == "error":
             error = outcome.error
             raise CommandError(

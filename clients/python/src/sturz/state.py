@@ -182,7 +182,8 @@ class State:
     @property
     def speeds_m_per_s(self) -> Floats:
         """Of the centres of mass, (n,), m/s."""
-        return np.linalg.norm(self.velocities_m_per_s, axis=1)
+        speeds: Floats = np.linalg.norm(self.velocities_m_per_s, axis=1)
+        return speeds
 
     def rotations(self) -> NDArray[np.float64]:
         """Matrices `world_from_body`, (n, 3, 3)."""

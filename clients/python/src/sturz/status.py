@@ -278,7 +278,7 @@ class EnergyBalance:
     def residual_ratio(self) -> float:
         """Residual over the energy that went through the system: the largest of the other terms."""
         terms = [abs(getattr(self, field.name)) for field in fields(self) if field.name != "residual_j"]
-        return abs(self.residual_j) / max(*terms, 1e-300)
+        return float(abs(self.residual_j) / max(*terms, 1e-300))
 
 
 @dataclass(frozen=True)
