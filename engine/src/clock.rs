@@ -49,6 +49,11 @@ impl Clock {
         }
     }
 
+    /// Time after `more` further steps.
+    pub fn time_after_s(&self, more: u64) -> f64 {
+        Self { step: self.step + more, ..*self }.time_s()
+    }
+
     /// Step in use, at most the nominal one.
     pub fn time_step_s(&self) -> f64 {
         self.time_step_s

@@ -1,17 +1,81 @@
-//! Synchronous discrete element engine of Sturz.
+//! Synchronous discrete element engine of Sturz: granular matter of non-spherical particles.
+//!
+//! No I/O, no async, no wall clock: scenes and commands come in as values, state goes out as values. Units are SI,
+//! angles radians, orientations `world_from_body` unit quaternions. Results are the same, to the bit, on any number of
+//! threads.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | [`scene`] | what a user writes, and how it is proved usable |
+//! | [`engine`], `step`, `apply`, `view` | the owner of all state; one step; commands; what may be read |
+//! | [`shape`], [`narrow`] | shapes with their mass properties; where two of them touch |
+//! | [`broad`], [`contact`] | which pairs may touch; persistent contacts and their laws |
+//! | [`integrate`], [`boundary`], [`insertion`] | motion of particles and walls; new particles |
+//! | [`fields`] | coarse graining |
+//!
+//! ```
+//! use sturz_engine::{Engine, scene::{Scene, SceneDescription}};
+//!
+//! let text = r#"
+//!     [scene]
+//!     name = "drop"
+//!     gravity_m_per_s2 = [0.0, 0.0, -9.81]
+//!     time_step_s = 1e-5
+//!     [[material]]
+//!     name = "glass"
+//!     density_kg_per_m3 = 2500.0
+//!     [[shape]]
+//!     name = "bead"
+//!     geometry = { kind = "sphere", radius_m = 1e-3 }
+//!     [[insertion]]
+//!     shape = "bead"
+//!     material = "glass"
+//!     placement = { method = "poses", positions_m = [[0.0, 0.0, 1.0]] }
+//!     [[material_pair]]
+//!     materials = ["glass", "glass"]
+//!     stiffness_n_per_m = 1e4
+//!     restitution = 0.8
+//! "#;
+//! let scene = Scene::validate(SceneDescription::from_toml(text)?)?;
+//! let mut engine = Engine::new(scene);
+//! for _ in 0..1000 {
+//!     engine.step()?;
+//! }
+//! assert!((engine.clock().time_s() - 0.01).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+#![deny(missing_docs)]
+
+mod apply;
+pub mod boundary;
+pub mod broad;
+pub mod cell;
+pub mod clock;
 pub mod command;
+pub mod contact;
+mod energy;
+pub mod engine;
 pub mod error;
 pub mod fields;
+mod gather;
+pub mod insertion;
+pub mod integrate;
 pub mod math;
 pub mod narrow;
+pub mod particles;
+mod random;
 pub mod report;
 pub mod scene;
 pub mod shape;
 pub mod snapshot;
+mod step;
 pub mod timing;
+mod view;
 
+pub use clock::Clock;
 pub use command::{Command, Effect};
+pub use engine::Engine;
 pub use error::{InvalidInput, InvalidScene, StepError};
 pub use report::{EnergyBalance, Report, WarningCounts};
 pub use snapshot::{BoundaryState, Snapshot};

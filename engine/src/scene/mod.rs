@@ -1,5 +1,12 @@
 //! From what a user wrote to what the engine can run.
 
+mod check;
 mod description;
+mod plan;
+mod validate;
+pub(crate) use validate::check_motion;
 
+pub use check::SceneCheck;
 pub use description::*;
+pub use plan::Plan;
+pub use validate::Scene;

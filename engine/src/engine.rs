@@ -1,0 +1,304 @@
+//! The owner of all state. Synchronous, deterministic, without I/O.
+
+use std::sync::Arc;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::boundary::Boundary;
+use crate::broad::{NeighbourInputs, Neighbours};
+use crate::clock::Clock;
+use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SlotKind, SpringRecord, Sums};
+use crate::energy::Ledger;
+use crate::error::{InvalidInput, StepError};
+use crate::gather::gather;
+use crate::integrate;
+use crate::math::Vec3;
+use crate::particles::{ContactMotion, Particles};
+use crate::report::WarningCounts;
+use crate::scene::Scene;
+use crate::timing::{Stage, StageTimer};
+
+/// A running simulation.
+pub struct Engine {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) clock: Clock,
+    pub(crate) gravity: Vec3,
+    pub(crate) particles: Particles,
+    pub(crate) boundaries: Vec<Boundary>,
+    pub(crate) neighbours: Neighbours,
+    pub(crate) contacts: ContactTable,
+    pub(crate) sums: Sums,
+    /// Springs that outlive a change of the particles, until the next rebuild takes them.
+    pub(crate) kept_springs: Vec<SpringRecord>,
+    pub(crate) ledger: Ledger,
+    pub(crate) warnings: WarningCounts,
+    pub(crate) largest_ratio_so_far: f64,
+    pub(crate) next_id: u64,
+    pub(crate) topology_epoch: u64,
+    pub(crate) failure: Option<StepError>,
+    pool: Arc<ThreadPool>,
+    timer: Option<Box<dyn StageTimer>>,
+}
+
+/// Overlap over the smaller bounding radius that counts as large.
+const LARGE_OVERLAP: f64 = 0.1;
+/// Displacement in one step over the bounding radius that counts as fast.
+const FAST: f64 = 0.1;
+
+fn pool(threads: usize) -> Arc<ThreadPool> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).thread_name(|k| format!("physics-{k}")).build();
+    Arc::new(pool.expect("the operating system can start the physics threads"))
+}
+
+impl Engine {
+    /// Starts the scene at step 0, on one thread.
+    pub fn new(scene: Scene) -> Self {
+        let mut particles = Particles::default();
+        scene.particles().iter().for_each(|particle| particles.push(particle));
+        let mut engine = Self {
+            clock: Clock::new(scene.time_step_s()),
+            gravity: Vec3::from(scene.description().scene.gravity_m_per_s2),
+            next_id: scene.particles().len() as u64,
+            boundaries: scene.boundaries().to_vec(),
+            particles,
+            neighbours: Neighbours::default(),
+            contacts: ContactTable::default(),
+            sums: Sums::default(),
+            kept_springs: Vec::new(),
+            ledger: Ledger::default(),
+            warnings: WarningCounts::default(),
+            largest_ratio_so_far: 0.0,
+            topology_epoch: 0,
+            failure: None,
+            pool: pool(1),
+            timer: None,
+            scene: Arc::new(scene),
+        };
+        engine.in_pool(Self::prepare);
+        engine.ledger.initial = engine.mechanical_energy().total();
+        engine
+    }
+
+    /// Threads of the physics; the results do not depend on it.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.pool = pool(threads);
+    }
+
+    /// Runs `f` on the physics threads. A loop of steps inside saves the hand-over to the pool of each.
+    pub fn in_pool<R: Send>(&mut self, f: impl FnOnce(&mut Self) -> R + Send) -> R {
+        let pool = Arc::clone(&self.pool);
+        if pool.current_thread_index().is_some() { f(self) } else { pool.install(|| f(self)) }
+    }
+
+    /// Who counts the cost of the stages.
+    pub fn set_timer(&mut self, timer: Option<Box<dyn StageTimer>>) {
+        self.timer = timer;
+    }
+
+    /// Does one step. After an error the state is that of the failing step, and every further step is refused.
+    pub fn step(&mut self) -> Result<(), StepError> {
+        if let Some(failure) = &self.failure {
+            return Err(StepError::Stopped { step: self.clock.step(), reason: failure.to_string() });
+        }
+        let outcome = self.in_pool(Self::step_stages);
+        self.failure = outcome.as_ref().err().cloned();
+        outcome
+    }
+
+    /// Cuts `duration_s` into equal steps not longer than the scene's and returns their number; after as many calls
+    /// of [`Engine::step`] the time is the present one plus `duration_s`, to the bit.
+    pub fn begin_window(&mut self, duration_s: f64) -> Result<u64, InvalidInput> {
+        self.clock.begin_window(duration_s)
+    }
+
+    /// Back to the scene's time step, wherever the window has got to.
+    pub fn end_window(&mut self) {
+        self.clock.end_window();
+    }
+
+    /// Time and step.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// The scene that was started.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Particles present.
+    pub fn len(&self) -> usize {
+        self.particles.n_owned()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Counts insertions and removals.
+    pub fn topology_epoch(&self) -> u64 {
+        self.topology_epoch
+    }
+
+    /// Makes the next step rebuild the neighbour list. The results do not depend on it; tests show that.
+    pub fn drop_caches(&mut self) {
+        self.neighbours.invalidate();
+        self.contacts.hints.fill(0);
+    }
+
+    /// Forces at the present state without a step: at the start, and after the particles have changed.
+    pub(crate) fn prepare(&mut self) {
+        self.neighbours.invalidate();
+        for row in 0..self.particles.n_owned() {
+            let velocity = self.particles.velocity[row];
+            let angular_velocity = self.particles.angular_velocity(row);
+            self.particles.motion[row] = ContactMotion {
+                velocity,
+                angular_velocity,
+                mean_velocity: velocity,
+                mean_angular_velocity: angular_velocity,
+            };
+        }
+        self.wrap_into_cell();
+        self.rebuild_neighbours_if_stale(self.clock.time_s());
+        self.find_contacts();
+        self.evaluate_with(0.0);
+        self.gather_forces();
+        self.sums = self.contacts.sums();
+        self.ledger.restart(&self.sums);
+    }
+
+    pub(crate) fn begin_timing(&mut self) {
+        if let Some(timer) = &mut self.timer {
+            timer.begin();
+        }
+    }
+
+    pub(crate) fn lap(&mut self, stage: Stage) {
+        if let Some(timer) = &mut self.timer {
+            timer.lap(stage);
+        }
+    }
+
+    pub(crate) fn half_kick_and_drift(&mut self) {
+        let dt = self.clock.time_step_s();
+        let report = integrate::drift(&mut self.particles, &self.gravity, dt, &self.scene.plan().rotates);
+        self.warnings.rotation_not_converged += report.not_converged;
+        self.warnings.fast_particle += u64::from(report.largest_relative_displacement > FAST);
+    }
+
+    pub(crate) fn wrap_into_cell(&mut self) {
+        if self.scene.cell().is_periodic() {
+            self.scene.cell().wrap_all(&mut self.particles);
+        }
+    }
+
+    /// Boundaries go to the end of the step.
+    pub(crate) fn move_boundaries(&mut self) {
+        let time_s = self.clock.time_after_s(1);
+        self.boundaries.iter_mut().for_each(|boundary| boundary.move_to(time_s));
+    }
+
+    pub(crate) fn rebuild_neighbours_if_stale(&mut self, time_s: f64) {
+        let scene = Arc::clone(&self.scene);
+        let inputs = NeighbourInputs {
+            shapes: scene.shapes(),
+            reaches: &scene.plan().reaches,
+            boundaries: &self.boundaries,
+            cell: scene.cell(),
+            skin_fraction: scene.plan().skin_fraction,
+            time_s,
+        };
+        if !self.neighbours.is_stale(&self.particles, &inputs) {
+            self.particles.update_ghosts();
+            return;
+        }
+        let mut springs = std::mem::take(&mut self.kept_springs);
+        if springs.is_empty() && scene.plan().history {
+            springs = self.contacts.springs(&self.particles);
+        }
+        let slots = self.neighbours.rebuild(&mut self.particles, &inputs);
+        self.contacts.reset(slots.into_iter());
+        self.contacts.restore_springs(&springs, &self.particles);
+    }
+
+    pub(crate) fn find_contacts(&mut self) {
+        let inputs = FindInputs {
+            particles: &self.particles,
+            shapes: self.scene.shapes(),
+            boundaries: &self.boundaries,
+            sharing: self.scene.description().contact.sharing,
+            history: self.scene.plan().history,
+        };
+        contact::find_contacts(&mut self.contacts, &inputs);
+    }
+
+    pub(crate) fn evaluate_forces(&mut self) {
+        self.evaluate_with(self.clock.time_step_s());
+        self.sums = self.contacts.sums();
+        self.ledger.add(&self.sums, self.clock.time_step_s());
+    }
+
+    fn evaluate_with(&mut self, stretch_time_s: f64) {
+        let section = &self.scene.description().contact;
+        let inputs = ForceInputs {
+            particles: &self.particles,
+            boundaries: &self.boundaries,
+            pairs: self.scene.pairs(),
+            contact_end: section.contact_end,
+            tangential: section.tangential,
+            stretch_time_s,
+        };
+        contact::evaluate_forces(&mut self.contacts, &inputs);
+    }
+
+    pub(crate) fn gather_forces(&mut self) {
+        gather(&mut self.particles, &self.contacts, &self.neighbours);
+    }
+
+    pub(crate) fn half_kick(&mut self) {
+        let dt = self.clock.time_step_s();
+        if let Some(row) = integrate::kick(&mut self.particles, &self.gravity, dt) {
+            self.failure = Some(self.non_finite(row));
+        }
+    }
+
+    pub(crate) fn advance_clock(&mut self) {
+        self.clock.advance();
+    }
+
+    fn non_finite(&self, row: usize) -> StepError {
+        let particles = &self.particles;
+        let broken = |v: &Vec3| !v.iter().all(|c| c.is_finite());
+        let quantity = if broken(&particles.position[row]) {
+            "position"
+        } else if broken(&particles.velocity[row]) {
+            "velocity"
+        } else {
+            "angular momentum"
+        };
+        StepError::NonFinite { id: particles.ids[row], quantity, step: self.clock.step() + 1 }
+    }
+
+    /// Non-finite numbers and excessive overlap end the run; lesser troubles are counted.
+    pub(crate) fn guard(&mut self) -> Result<(), StepError> {
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
+        let ratio = self.sums.largest_ratio;
+        self.largest_ratio_so_far = self.largest_ratio_so_far.max(ratio);
+        self.warnings.large_overlap += u64::from(ratio > LARGE_OVERLAP);
+        let limit = self.scene.description().contact.overlap_limit;
+        if ratio <= limit {
+            return Ok(());
+        }
+        let slot = self.contacts.slots[self.sums.largest_slot as usize];
+        let particles = &self.particles;
+        let b = match slot.kind {
+            SlotKind::Wall => format!("boundary \"{}\"", self.boundaries[slot.b as usize].name),
+            _ => format!("particle {}", particles.ids[particles.owner(slot.b as usize)]),
+        };
+        Err(StepError::ExcessiveOverlap { a: particles.ids[slot.a as usize], b, ratio, limit, step: self.clock.step() })
+    }
+}

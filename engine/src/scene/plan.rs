@@ -1,0 +1,67 @@
+//! What a scene needs, and what is left out of every step because it does not.
+
+use super::{RotationScheme, SceneDescription, Sharing, Tangential};
+use crate::broad::ShapeReach;
+use crate::contact::law::PairTable;
+
+/// The stages that the scene needs; set once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// One sentence each, for `sturz check` and the topic `plan`.
+    pub lines: Vec<String>,
+    /// Tangential springs are kept.
+    pub history: bool,
+    /// By shape: orientation is integrated.
+    pub rotates: Vec<bool>,
+    /// By shape: what the broad phase needs.
+    pub reaches: Vec<ShapeReach>,
+    /// Neighbour skin over the smallest bounding diameter.
+    pub skin_fraction: f64,
+}
+
+/// Skin where the scene names none: rebuilds and superfluous pairs cost about the same there.
+const DEFAULT_SKIN_FRACTION: f64 = 0.08;
+
+impl Plan {
+    pub(super) fn new(description: &SceneDescription, reaches: Vec<ShapeReach>, pairs: &PairTable) -> Self {
+        let history = description.contact.tangential == Tangential::CoulombHistory && pairs.any_friction();
+        let rotates: Vec<bool> = reaches.iter().map(|reach| !reach.is_sphere).collect();
+        let skin_fraction = description.contact.skin_fraction.unwrap_or(DEFAULT_SKIN_FRACTION);
+        let all_spheres = reaches.iter().all(|reach| reach.is_sphere);
+        let mut lines = vec![
+            format!("neighbours: grid, skin {:.1} % of the smallest bounding diameter", 100.0 * skin_fraction),
+            if all_spheres {
+                "contact geometry: spheres only; no polyhedron test".into()
+            } else {
+                "contact geometry: separating-axis test and clipping for polyhedra, analytic for round parts".into()
+            },
+            match description.contact.sharing {
+                Sharing::PerPoint => "sharing of points: per_point".into(),
+                Sharing::ModelB => "sharing of points: model_b".to_string(),
+            },
+            format!("normal law: linear spring and dashpot, contact end {:?}", description.contact.contact_end).to_lowercase(),
+            if history {
+                "friction: Coulomb with history per contact feature".into()
+            } else {
+                "friction: none; no tangential history is kept".into()
+            },
+        ];
+        let RotationScheme::Omelyan = description.integrator.rotation;
+        lines.push(if all_spheres {
+            "rotation: angular velocity only; no orientation is integrated".into()
+        } else {
+            "rotation: Omelyan's leapfrog".into()
+        });
+        lines.push(if description.domain.periodic.contains(&true) {
+            format!("periodic axes (x, y, z): {:?}", description.domain.periodic)
+        } else {
+            "periodic axes: none; no images".into()
+        });
+        lines.push(match description.boundaries.len() {
+            0 => "boundaries: none".into(),
+            n => format!("boundaries: {n}"),
+        });
+        lines.push("fields: computed only while somebody subscribes or asks".into());
+        Self { lines, history, rotates, reaches, skin_fraction }
+    }
+}

@@ -1,0 +1,499 @@
+//! The only way to a [`Scene`]: afterwards the engine cannot fail to start.
+
+use super::{BoundaryGeometry, MaterialPairDescription, MotionDescription, Plan, SceneDescription};
+use crate::boundary::Boundary;
+use crate::broad::ShapeReach;
+use crate::cell::Cell;
+use crate::contact::law::{PairLaw, PairTable, damping_ratio, least_restitution};
+use crate::error::{InvalidInput, InvalidScene};
+use crate::insertion::{self, Surroundings};
+use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds};
+use crate::particles::NewParticle;
+use crate::scene::AngularVelocity;
+use crate::shape::Shape;
+
+/// A scene that has been proved usable.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    description: SceneDescription,
+    shapes: Vec<Shape>,
+    pairs: PairTable,
+    boundaries: Vec<Boundary>,
+    cell: Cell,
+    plan: Plan,
+    time_step_s: f64,
+    particles: Vec<NewParticle>,
+}
+
+/// Collects everything that is wrong.
+#[derive(Default)]
+struct Problems(Vec<InvalidInput>);
+
+impl Problems {
+    fn add(&mut self, path: impl Into<String>, problem: impl Into<String>) {
+        self.0.push(InvalidInput::new(path, problem));
+    }
+
+    fn keep<T>(&mut self, result: Result<T, InvalidInput>) -> Option<T> {
+        result.map_err(|error| self.0.push(error)).ok()
+    }
+
+    fn finite(&mut self, path: &str, values: &[f64]) {
+        if values.iter().any(|v| !v.is_finite()) {
+            self.add(path, format!("is {values:?}; every number must be finite"));
+        }
+    }
+
+    fn direction(&mut self, path: &str, v: &[f64; 3]) {
+        let norm = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if !(norm.is_finite() && norm > 0.0) {
+            self.add(path, format!("is {v:?}; must be finite and not zero"));
+        }
+    }
+
+    fn in_range(&mut self, path: &str, value: f64, allowed: &str, ok: bool) {
+        if !(value.is_finite() && ok) {
+            self.add(path, format!("is {value}; must be {allowed}"));
+        }
+    }
+}
+
+impl SceneDescription {
+    /// Reads a scene file.
+    pub fn from_toml(text: &str) -> Result<Self, InvalidInput> {
+        toml::from_str(text).map_err(|error| InvalidInput::new("scene file", error.to_string()))
+    }
+
+    /// Writes a scene file.
+    pub fn to_toml(&self) -> Result<String, InvalidInput> {
+        toml::to_string_pretty(self).map_err(|error| InvalidInput::new("scene", error.to_string()))
+    }
+}
+
+impl Scene {
+    /// Proves the description usable, or lists everything that is wrong with it.
+    pub fn validate(description: SceneDescription) -> Result<Self, InvalidScene> {
+        let mut problems = Problems::default();
+        check_numbers(&description, &mut problems);
+        check_names(&description, &mut problems);
+        let shapes: Vec<Shape> = description
+            .shapes
+            .iter()
+            .enumerate()
+            .filter_map(|(k, shape)| {
+                Shape::build(&shape.geometry).map_err(|e| problems.add(format!("shape[{k}].geometry"), e.to_string())).ok()
+            })
+            .collect();
+        let pairs = build_pairs(&description, &mut problems);
+        if !problems.0.is_empty() {
+            return Err(InvalidScene(problems.0));
+        }
+        let boundaries = build_boundaries(&description, &mut problems);
+        let reaches = shapes.iter().map(ShapeReach::of).collect();
+        let plan = Plan::new(&description, reaches, &pairs);
+        let cell = Cell::new(&description.domain);
+        let mut scene =
+            Self { description, shapes, pairs, boundaries, cell, plan, time_step_s: 0.0, particles: Vec::new() };
+        scene.check_boundaries(&mut problems);
+        if problems.0.is_empty() {
+            scene.place_particles(&mut problems);
+            scene.time_step_s = scene.choose_time_step(&mut problems);
+        }
+        if problems.0.is_empty() { Ok(scene) } else { Err(InvalidScene(problems.0)) }
+    }
+
+    fn place_particles(&mut self, problems: &mut Problems) {
+        for k in 0..self.description.insertions.len() {
+            let surroundings = Surroundings {
+                scene: self,
+                boundaries: &self.boundaries,
+                present: &self.particles,
+                first_id: self.particles.len() as u64,
+            };
+            let path = format!("insertion[{k}]");
+            let placed = insertion::place(&self.description.insertions[k], &surroundings, &path);
+            if let Some(new) = problems.keep(placed.and_then(|new| self.check_sizes(&new, &path).map(|()| new))) {
+                self.particles.extend(new);
+            }
+        }
+        let mut materials: Vec<usize> = self.particles.iter().map(|p| p.material as usize).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        problems.keep(self.check_pairs_among(&materials, "material_pair"));
+    }
+
+    /// Along a periodic axis no pair may meet through two images at once.
+    pub(crate) fn check_sizes(&self, new: &[NewParticle], path: &str) -> Result<(), InvalidInput> {
+        let largest = new.iter().map(|particle| particle.radius).fold(0.0, f64::max);
+        let needed = 4.0 * largest * (1.0 + 2.0 * self.plan.skin_fraction);
+        let extent = self.cell.shortest_periodic_extent();
+        if needed <= extent {
+            return Ok(());
+        }
+        let problem = format!(
+            "the largest particle has bounding radius {largest:e} m; a periodic cell needs an extent of at least {needed:e} m and has {extent:e} m"
+        );
+        Err(InvalidInput::new(path, problem))
+    }
+
+    fn choose_time_step(&self, problems: &mut Problems) -> f64 {
+        let bounds = self.contact_bounds(&self.particles);
+        let section = &self.description.scene;
+        let time_step = match (section.time_step_s, section.time_step_fraction, bounds) {
+            (Some(dt), None, _) => dt,
+            (None, Some(fraction), Some(bounds)) => fraction * bounds.critical_time_step_s,
+            (None, Some(_), None) => {
+                problems.add("scene.time_step_fraction", "needs at least one shape, one material with density and their material_pair; give time_step_s");
+                return 0.0;
+            }
+            _ => {
+                problems.add("scene", "give time_step_s or time_step_fraction, not both");
+                return 0.0;
+            }
+        };
+        problems.keep(self.check_time_step(time_step, &self.particles, "scene.time_step_s"));
+        time_step
+    }
+
+    /// Refuses a step above the critical one of the particles present.
+    pub(crate) fn check_time_step(&self, dt: f64, particles: &[NewParticle], path: &str) -> Result<(), InvalidInput> {
+        match self.contact_bounds(particles) {
+            Some(bounds) if dt > bounds.critical_time_step_s => Err(InvalidInput::new(
+                path,
+                format!(
+                    "the time step {dt:e} s is above the critical one of a single contact, {:e} s (stiffness, damping, mass and inertia of the lightest pair): reduce time_step_s, {:e} s is a fiftieth of the collision",
+                    bounds.critical_time_step_s,
+                    bounds.duration_s / 50.0
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Smallest bounds over all pairs that may meet; over all shapes and materials while there are no particles.
+    pub(crate) fn contact_bounds(&self, particles: &[NewParticle]) -> Option<ContactBounds> {
+        let classes = if particles.is_empty() { self.possible_bodies() } else { self.lightest_bodies(particles) };
+        let mut smallest: Option<ContactBounds> = None;
+        let mut consider = |law: Option<&PairLaw>, a: &Body, b: Option<&Body>| {
+            let Some(law) = law else { return };
+            let bounds = contact_bounds(law, a, b);
+            smallest = Some(smallest.map_or(bounds, |s| ContactBounds {
+                critical_time_step_s: s.critical_time_step_s.min(bounds.critical_time_step_s),
+                duration_s: s.duration_s.min(bounds.duration_s),
+            }));
+        };
+        for (k, (material_a, a)) in classes.iter().enumerate() {
+            for (material_b, b) in &classes[k..] {
+                consider(self.pairs.get(*material_a, *material_b), a, Some(b));
+            }
+            for boundary in &self.boundaries {
+                consider(self.pairs.get(*material_a, boundary.material as usize), a, None);
+            }
+        }
+        smallest
+    }
+
+    fn body(&self, shape: usize, mass: f64, smallest_inertia: f64, radius: f64) -> Body {
+        let normal_lever = if self.plan.reaches[shape].is_sphere { 0.0 } else { radius };
+        Body { mass, smallest_inertia, normal_lever, tangential_lever: radius }
+    }
+
+    /// Each shape of each particle material, at unit scale.
+    fn possible_bodies(&self) -> Vec<(usize, Body)> {
+        let mut bodies = Vec::new();
+        for (m, material) in self.description.materials.iter().enumerate() {
+            let Some(density) = material.density_kg_per_m3 else { continue };
+            for (s, shape) in self.shapes.iter().enumerate() {
+                let properties = shape.mass_properties();
+                let inertia = properties.principal_inertia.min() * density;
+                bodies.push((m, self.body(s, properties.volume * density, inertia, shape.bounding_radius())));
+            }
+        }
+        bodies
+    }
+
+    /// The smallest particle of each (shape, material) present.
+    fn lightest_bodies(&self, particles: &[NewParticle]) -> Vec<(usize, Body)> {
+        let materials = self.description.materials.len();
+        let mut lightest: Vec<Option<&NewParticle>> = vec![None; materials * self.shapes.len()];
+        for particle in particles {
+            let class = &mut lightest[particle.shape as usize * materials + particle.material as usize];
+            if class.is_none_or(|known| particle.scale < known.scale) {
+                *class = Some(particle);
+            }
+        }
+        let body = |p: &NewParticle| {
+            (p.material as usize, self.body(p.shape as usize, p.mass, p.inertia.min(), p.radius))
+        };
+        lightest.into_iter().flatten().map(body).collect()
+    }
+
+    /// Every material that particles of `material` may meet needs a pair.
+    pub(crate) fn check_pairs_of(&self, material: usize, path: &str) -> Result<(), InvalidInput> {
+        let name = |m: usize| self.description.materials[m].name.as_str();
+        let particles = (0..self.description.materials.len())
+            .filter(|&m| self.description.materials[m].density_kg_per_m3.is_some() && m == material);
+        let walls = self.boundaries.iter().map(|boundary| boundary.material as usize);
+        for other in particles.chain(walls) {
+            if self.pairs.get(material, other).is_none() {
+                let problem = format!("materials '{}' and '{}' may meet but have no [[material_pair]]", name(material), name(other));
+                return Err(InvalidInput::new(path, problem));
+            }
+        }
+        Ok(())
+    }
+
+    /// Every two materials of particles present need a pair.
+    pub(crate) fn check_pairs_among(&self, materials: &[usize], path: &str) -> Result<(), InvalidInput> {
+        for &a in materials {
+            for &b in materials {
+                if self.pairs.get(a, b).is_none() {
+                    let name = |m: usize| self.description.materials[m].name.as_str();
+                    let problem = format!("materials '{}' and '{}' may meet but have no [[material_pair]]", name(a), name(b));
+                    return Err(InvalidInput::new(path, problem));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A boundary must look the same in every image of the cell.
+    fn check_boundaries(&self, problems: &mut Problems) {
+        for (k, boundary) in self.boundaries.iter().enumerate() {
+            problems.keep(self.check_boundary_in_cell(boundary, &format!("boundary[{k}]")));
+        }
+    }
+
+    pub(crate) fn check_boundary_in_cell(&self, boundary: &Boundary, path: &str) -> Result<(), InvalidInput> {
+        use crate::boundary::WallShape;
+        for axis in (0..3).filter(|&axis| self.cell.periodic[axis]) {
+            let along = boundary.direction()[axis].abs();
+            let invariant = match boundary.shape {
+                WallShape::Plane => along < 1e-12,
+                WallShape::CylinderInside(_) => (along - 1.0).abs() < 1e-12,
+            };
+            if !invariant {
+                let problem = format!("is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel");
+                return Err(InvalidInput::new(path, problem));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the user wrote.
+    pub fn description(&self) -> &SceneDescription {
+        &self.description
+    }
+
+    /// Shapes, in the order of the scene.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// Contact parameters.
+    pub fn pairs(&self) -> &PairTable {
+        &self.pairs
+    }
+
+    /// Boundaries at time 0.
+    pub fn boundaries(&self) -> &[Boundary] {
+        &self.boundaries
+    }
+
+    /// Periodic cell.
+    pub fn cell(&self) -> &Cell {
+        &self.cell
+    }
+
+    /// What the scene needs.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Time step, s.
+    pub fn time_step_s(&self) -> f64 {
+        self.time_step_s
+    }
+
+    /// Particles at time 0.
+    pub fn particles(&self) -> &[NewParticle] {
+        &self.particles
+    }
+}
+
+fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
+    let scene = &description.scene;
+    problems.finite("scene.gravity_m_per_s2", &scene.gravity_m_per_s2);
+    if let Some(dt) = scene.time_step_s {
+        problems.in_range("scene.time_step_s", dt, "finite and above 0", dt > 0.0);
+    }
+    if let Some(fraction) = scene.time_step_fraction {
+        problems.in_range("scene.time_step_fraction", fraction, "in (0, 1)", fraction > 0.0 && fraction < 1.0);
+    }
+    let domain = &description.domain;
+    problems.finite("domain.min_m", &domain.min_m);
+    problems.finite("domain.max_m", &domain.max_m);
+    for axis in (0..3).filter(|&axis| domain.periodic[axis]) {
+        if domain.max_m[axis] <= domain.min_m[axis] {
+            problems.add(format!("domain.max_m[{axis}]"), "must be above domain.min_m along a periodic axis");
+        }
+    }
+    let contact = &description.contact;
+    let limit = contact.overlap_limit;
+    problems.in_range("contact.overlap_limit", limit, "in (0, 2]", limit > 0.0 && limit <= 2.0);
+    if let Some(skin) = contact.skin_fraction {
+        problems.in_range("contact.skin_fraction", skin, "in (0, 2]", skin > 0.0 && skin <= 2.0);
+    }
+    for (k, material) in description.materials.iter().enumerate() {
+        if let Some(density) = material.density_kg_per_m3 {
+            let path = format!("material[{k}].density_kg_per_m3");
+            problems.in_range(&path, density, "finite and above 0", density > 0.0);
+        }
+    }
+    let output = &description.output;
+    for (key, rate) in [("state", output.state_rate_hz), ("field", output.field_rate_hz), ("report", output.report_rate_hz)] {
+        problems.in_range(&format!("output.{key}_rate_hz"), rate, "in (0, 1000]", rate > 0.0 && rate <= 1000.0);
+    }
+    if let Some(time) = description.stop.time_s {
+        problems.in_range("stop.time_s", time, "finite and at least 0", time >= 0.0);
+    }
+    for (k, field) in description.fields.iter().enumerate() {
+        problems.keep(field.validate(&format!("field[{k}]")));
+    }
+}
+
+fn check_names(description: &SceneDescription, problems: &mut Problems) {
+    let mut unique = |section: &str, names: Vec<&str>| {
+        for (k, name) in names.iter().enumerate() {
+            if name.is_empty() || names[..k].contains(name) {
+                problems.add(format!("{section}[{k}].name"), format!("'{name}' is empty or used twice"));
+            }
+        }
+    };
+    unique("material", description.materials.iter().map(|m| m.name.as_str()).collect());
+    unique("shape", description.shapes.iter().map(|s| s.name.as_str()).collect());
+    unique("boundary", description.boundaries.iter().map(|b| b.name.as_str()).collect());
+    unique("field", description.fields.iter().map(|f| f.name.as_str()).collect());
+}
+
+fn material_index(description: &SceneDescription, name: &str, path: String, problems: &mut Problems) -> Option<usize> {
+    let index = description.materials.iter().position(|material| material.name == name);
+    if index.is_none() {
+        let known: Vec<&str> = description.materials.iter().map(|m| m.name.as_str()).collect();
+        problems.add(path, format!("'{name}' is not a [[material]]; the scene has {known:?}"));
+    }
+    index
+}
+
+fn build_pairs(description: &SceneDescription, problems: &mut Problems) -> PairTable {
+    let mut table = PairTable::new(description.materials.len());
+    for (k, pair) in description.material_pairs.iter().enumerate() {
+        let path = format!("material_pair[{k}]");
+        let indices = [0, 1]
+            .map(|side| material_index(description, &pair.materials[side], format!("{path}.materials[{side}]"), problems));
+        let law = pair_law(pair, description, &path, problems);
+        if let ([Some(a), Some(b)], Some(law)) = (indices, law) {
+            if table.get(a, b).is_some() {
+                problems.add(format!("{path}.materials"), "this pair is already defined");
+            }
+            table.set(a, b, law);
+        }
+    }
+    table
+}
+
+fn pair_law(
+    pair: &MaterialPairDescription,
+    description: &SceneDescription,
+    path: &str,
+    problems: &mut Problems,
+) -> Option<PairLaw> {
+    let before = problems.0.len();
+    let k = pair.stiffness_n_per_m;
+    problems.in_range(&format!("{path}.stiffness_n_per_m"), k, "finite and above 0", k > 0.0);
+    let mu = pair.friction;
+    problems.in_range(&format!("{path}.friction"), mu, "finite and at least 0", mu >= 0.0);
+    let ratio = pair.tangential_stiffness_ratio;
+    problems.in_range(&format!("{path}.tangential_stiffness_ratio"), ratio, "in [0, 10]", (0.0..=10.0).contains(&ratio));
+    let damping_ratio_t = pair.tangential_damping_ratio.unwrap_or(ratio.max(0.0).sqrt());
+    problems.in_range(
+        &format!("{path}.tangential_damping_ratio"),
+        damping_ratio_t,
+        "in [0, 10]",
+        (0.0..=10.0).contains(&damping_ratio_t),
+    );
+    let end = description.contact.contact_end;
+    let least = least_restitution(end);
+    let (zeta, raw) = match (pair.restitution, pair.damping_n_s_per_m) {
+        (Some(e), None) => {
+            let allowed = format!("in [{least:.3}, 1] with contact_end = {end:?}");
+            problems.in_range(&format!("{path}.restitution"), e, &allowed, e >= least && e <= 1.0);
+            (damping_ratio(e, end), None)
+        }
+        (None, Some(c)) => {
+            problems.in_range(&format!("{path}.damping_n_s_per_m"), c, "finite and at least 0", c >= 0.0);
+            (0.0, Some(c))
+        }
+        _ => {
+            problems.add(path, "give restitution or damping_n_s_per_m, not both");
+            (0.0, None)
+        }
+    };
+    (problems.0.len() == before).then_some(PairLaw {
+        stiffness: k,
+        damping_ratio: zeta,
+        raw_damping: raw,
+        friction: mu,
+        tangential_stiffness: k * ratio,
+        tangential_damping_ratio: damping_ratio_t,
+    })
+}
+
+fn build_boundaries(description: &SceneDescription, problems: &mut Problems) -> Vec<Boundary> {
+    let mut boundaries = Vec::new();
+    for (k, boundary) in description.boundaries.iter().enumerate() {
+        let path = format!("boundary[{k}]");
+        let before = problems.0.len();
+        let material = material_index(description, &boundary.material, format!("{path}.material"), problems);
+        match &boundary.geometry {
+            BoundaryGeometry::Plane { point_m, normal } => {
+                problems.finite(&format!("{path}.geometry.point_m"), point_m);
+                problems.direction(&format!("{path}.geometry.normal"), normal);
+            }
+            BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
+                problems.finite(&format!("{path}.geometry.point_m"), point_m);
+                problems.direction(&format!("{path}.geometry.axis"), axis);
+                problems.in_range(&format!("{path}.geometry.radius_m"), *radius_m, "finite and above 0", *radius_m > 0.0);
+            }
+        }
+        problems.keep(check_motion(&boundary.motion, &format!("{path}.motion")));
+        if let (Some(material), true) = (material, problems.0.len() == before) {
+            boundaries.push(Boundary::new(boundary, material as u32));
+        }
+    }
+    boundaries
+}
+
+/// Checks the numbers of a motion.
+pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(), InvalidInput> {
+    let mut problems = Problems::default();
+    match motion {
+        MotionDescription::Fixed => {}
+        MotionDescription::Translation { velocity_m_per_s } => {
+            problems.finite(&format!("{path}.velocity_m_per_s"), velocity_m_per_s);
+        }
+        MotionDescription::Rotation { point_m, axis, angular_velocity } => {
+            problems.finite(&format!("{path}.point_m"), point_m);
+            problems.direction(&format!("{path}.axis"), axis);
+            let inner = format!("{path}.angular_velocity");
+            match *angular_velocity {
+                AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]),
+                AngularVelocity::Ramp { rad_per_s, duration_s } => {
+                    problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]);
+                    problems.in_range(&format!("{inner}.duration_s"), duration_s, "finite and above 0", duration_s > 0.0);
+                }
+            }
+        }
+    }
+    problems.0.into_iter().next().map_or(Ok(()), Err)
+}
