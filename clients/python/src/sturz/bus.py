@@ -106,8 +106,15 @@ class Bus:
         if self.gone:
             raise DaemonGone(f"the daemon of {self.instance!r} has ended, or the connection to {self.endpoint} broke")
 
-    def ask(self, key: str, *, payload: bytes | None = None, timeout_s: float | None) -> bytes:
-        """Answer to a query on `key` (below the root of the instance).
+    def ask(
+        self,
+        key: str,
+        *,
+        payload: bytes | None = None,
+        timeout_s: float | None,
+        sent: Callable[[], None] | None = None,
+    ) -> bytes:
+        """Answer to a query on `key` (below the root of the instance). Calls `sent` when the query is on its way.
 
         Raises:
             CommandError: the daemon answered with an error.
@@ -129,6 +136,8 @@ class Bus:
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 express=True,
             )
+            if sent is not None:
+                sent()
             return self._answer(key, answers, deadline, timeout_s)
         finally:
             with self._lock:

@@ -7,11 +7,12 @@ import itertools
 import os
 import secrets
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +33,7 @@ DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 StopReason = Literal["unspecified", "complete", "paused", "stopped"]
 _STOP_REASONS: tuple[StopReason, ...] = ("unspecified", "complete", "paused", "stopped")
 FloatType = Literal["f64", "f32"]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,7 @@ class Simulation:
         self._daemon = daemon
         self._numbers = itertools.count(1)
         self._time_s: float | None = None
+        self._later = threading.local()
         self._lock = threading.Lock()
         self._streams: list[Stream[Any]] = []
 
@@ -258,10 +261,14 @@ class Simulation:
             request.header.client_id = self.client_id
         if not request.header.request_id:
             request.header.request_id = self.new_request_id()
+        sent = None
+        if getattr(self._later, "time_s", None) is not None:
+            request.header.at_time_s = self._later.time_s
+            sent = self._later.sent
         payload = request.SerializeToString()
         for attempt in itertools.count():
             try:
-                answer = self._bus.ask(f"cmd/{verb}", payload=payload, timeout_s=timeout_s)
+                answer = self._bus.ask(f"cmd/{verb}", payload=payload, timeout_s=timeout_s, sent=sent)
                 break
             except Timeout as timeout:
                 if attempt >= retries:
@@ -275,12 +282,37 @@ class Simulation:
         self._time_s = outcome.sim_time_s
         return outcome
 
-    def _quick(self, verb: str, request: Any, at_time_s: float | None = None) -> pb.Outcome:
-        if at_time_s is None:
-            return self.command(verb, request, timeout_s=self.timeout_s)
-        # The outcome comes when the time has.
-        request.header.at_time_s = at_time_s
-        return self.command(verb, request)
+    def _quick(self, verb: str, request: Any) -> pb.Outcome:
+        later = getattr(self._later, "time_s", None) is not None
+        return self.command(verb, request, timeout_s=None if later else self.timeout_s)
+
+    def later(self, at_time_s: float, function: Callable[..., T], **arguments: Any) -> Future[T]:
+        """Has a command take effect before the first step that starts at or after a simulated time.
+
+        ``future = simulation.later(1.5, simulation.set_gravity, gravity_m_per_s2=(0, 0, -1.6))`` returns as soon as
+        the command is on its way; commands that follow come after it. `future.result()` waits until it has taken
+        effect, and raises when it was refused.
+
+        Args:
+            at_time_s: not before now, s.
+            function: method of this simulation: insert, remove, set something, define or drop a field.
+            arguments: of the method.
+        """
+        future: Future[T] = Future()
+        sent = threading.Event()
+
+        def work() -> None:
+            self._later.time_s, self._later.sent = at_time_s, sent.set
+            try:
+                future.set_result(function(**arguments))
+            except BaseException as error:
+                future.set_exception(error)
+            finally:
+                sent.set()
+
+        threading.Thread(target=work, name=f"sturz later {at_time_s:g}", daemon=True).start()
+        sent.wait(self.timeout_s)
+        return future
 
     def insert_poses(
         self,
@@ -408,15 +440,15 @@ class Simulation:
         inserted = self.command("insert", request).inserted
         return np.arange(inserted.first_id, inserted.first_id + inserted.count, dtype=np.uint64)
 
-    def remove(self, *, ids: ArrayLike, at_time_s: float | None = None) -> int:
+    def remove(self, *, ids: ArrayLike) -> int:
         """Removes particles, all or none: every one of `ids` must exist. Returns how many."""
         request = pb.RemoveRequest(ids=np.asarray(ids, dtype=np.uint64).ravel().tolist())
-        return int(self._quick("remove", request, at_time_s).removed.count)
+        return int(self._quick("remove", request).removed.count)
 
-    def set_gravity(self, *, gravity_m_per_s2: ArrayLike, at_time_s: float | None = None) -> None:
-        """Sets the acceleration of gravity, (3,), m/s2; at the simulated time `at_time_s` when given."""
+    def set_gravity(self, *, gravity_m_per_s2: ArrayLike) -> None:
+        """Sets the acceleration of gravity, (3,), m/s2."""
         request = pb.SetGravityRequest(gravity_m_per_s2=wire.vec3("gravity_m_per_s2", gravity_m_per_s2))
-        self._quick("set_gravity", request, at_time_s)
+        self._quick("set_gravity", request)
 
     def set_rotation(
         self,
@@ -426,7 +458,6 @@ class Simulation:
         ramp_s: float = 0.0,
         point_m: ArrayLike | None = None,
         axis: ArrayLike | None = None,
-        at_time_s: float | None = None,
     ) -> None:
         """Rotates a boundary.
 
@@ -436,7 +467,6 @@ class Simulation:
             ramp_s: duration of the linear change from the present angular velocity, s.
             point_m: a point of the axis of rotation, (3,); the boundary's own when absent.
             axis: direction, (3,); the cylinder's own when absent.
-            at_time_s: simulated time of the command; at once when absent.
         """
         if point_m is None or axis is None:
             geometry = next((each for each in self.info().boundaries if each.name == boundary), None)
@@ -448,19 +478,19 @@ class Simulation:
             rotation.ramp.rad_per_s, rotation.ramp.duration_s = angular_velocity_rad_per_s, ramp_s
         else:
             rotation.constant.rad_per_s = angular_velocity_rad_per_s
-        self._set_motion(boundary, pb.Motion(rotation=rotation), at_time_s)
+        self._set_motion(boundary, pb.Motion(rotation=rotation))
 
-    def set_translation(self, *, boundary: str, velocity_m_per_s: ArrayLike, at_time_s: float | None = None) -> None:
+    def set_translation(self, *, boundary: str, velocity_m_per_s: ArrayLike) -> None:
         """Moves a boundary at constant velocity, (3,), m/s."""
         translation = pb.TranslationMotion(velocity_m_per_s=wire.vec3("velocity_m_per_s", velocity_m_per_s))
-        self._set_motion(boundary, pb.Motion(translation=translation), at_time_s)
+        self._set_motion(boundary, pb.Motion(translation=translation))
 
-    def set_fixed(self, *, boundary: str, at_time_s: float | None = None) -> None:
+    def set_fixed(self, *, boundary: str) -> None:
         """Lets a boundary rest."""
-        self._set_motion(boundary, pb.Motion(fixed=pb.FixedMotion()), at_time_s)
+        self._set_motion(boundary, pb.Motion(fixed=pb.FixedMotion()))
 
-    def _set_motion(self, boundary: str, motion: pb.Motion, at_time_s: float | None) -> None:
-        self._quick("set_motion", pb.SetMotionRequest(boundary=boundary, motion=motion), at_time_s)
+    def _set_motion(self, boundary: str, motion: pb.Motion) -> None:
+        self._quick("set_motion", pb.SetMotionRequest(boundary=boundary, motion=motion))
 
     def pause(self) -> float:
         """Stops stepping, and ends a window in flight early. Returns the simulated time, s."""
@@ -568,7 +598,6 @@ class Simulation:
         quantities: Iterable[str],
         width_m: float,
         cutoff_widths: float | None = None,
-        at_time_s: float | None = None,
     ) -> FieldDefinition:
         """Defines a field, or replaces the one of that name. It is computed only while somebody asks or subscribes.
 
@@ -580,10 +609,9 @@ class Simulation:
             quantities: ``solid_fraction``, ``density``, ``momentum``, ``velocity``, ``granular_temperature``.
             width_m: coarse-graining width w of the kernel exp(-R^2 / (2 w^2)), m.
             cutoff_widths: support of the kernel over its width; the daemon's default (4) when absent.
-            at_time_s: simulated time of the command; at once when absent.
         """
         definition = FieldDefinition(name, grid_from(min_m, max_m, cells), tuple(quantities), width_m, cutoff_widths)
-        self._quick("define_field", pb.DefineFieldRequest(field=definition.to_message()), at_time_s)
+        self._quick("define_field", pb.DefineFieldRequest(field=definition.to_message()))
         return definition
 
     def drop_field(self, *, name: str) -> None:

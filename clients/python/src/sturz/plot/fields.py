@@ -108,7 +108,8 @@ def field_plot(
         quantity: such as ``solid_fraction`` or ``velocity``.
         path: of the file to write (png, pdf, svg); none is written when absent.
         boundaries: from `Info.boundaries`; drums are drawn.
-        normal: axis that is perpendicular to the plane, ``x``, ``y`` or ``z``; the one with the fewest cells when absent.
+        normal: axis that is perpendicular to the plane, ``x``, ``y`` or ``z``; the one with the fewest cells
+            when absent.
         index: which layer of cells along it; the mean over all when absent.
         least_filling: cells with a smaller part of the largest solid fraction are left blank: means over nothing.
         limits: of the colour bar.
@@ -122,6 +123,7 @@ def field_plot(
     Returns:
         The matplotlib figure.
     """
+    boundaries = tuple(boundaries)
     name, label = _LABELS.get(quantity, (quantity.replace("_", " ").capitalize(), quantity.replace("_", " ")))
     axis = _normal_axis(field, normal)
     first, second = (each for each in (0, 1, 2) if each != axis)
@@ -145,6 +147,7 @@ def field_plot(
         for boundary in boundaries:
             if boundary.kind == "cylinder_inside" and abs(boundary.direction[axis]) > 0.999:
                 clip = _draw_drum(axes, boundary, first, second)
+                shown &= _inside(field, boundary, first, second)
         image = axes.imshow(
             masked.T, origin="lower", extent=extent, cmap=colours, norm=_norm(masked, limits, use_log),
             interpolation="nearest", zorder=2,
@@ -152,7 +155,11 @@ def field_plot(
         if clip is not None:
             image.set_clip_path(clip)
         if vector:
-            _arrows(axes, field.grid.axis_m(first), field.grid.axis_m(second), values[..., [first, second]], shown)
+            some = shown
+            for boundary in boundaries:
+                if boundary.kind == "cylinder_inside" and abs(boundary.direction[axis]) > 0.999:
+                    some = some & _inside(field, boundary, first, second, slack=-1.0)
+            _arrows(axes, field.grid.axis_m(first), field.grid.axis_m(second), values[..., [first, second]], some)
         axes.set_aspect("equal")
         reach = 0.04 * (extent[1] - extent[0]) if clip is not None else 0.0
         axes.set_xlim(extent[0] - reach, extent[1] + reach)
@@ -184,6 +191,15 @@ def _draw_drum(axes: Any, boundary: Boundary, first: int, second: int) -> Any:
     inside = Circle(centre, radius, facecolor=INSIDE, edgecolor=INK, linewidth=0.8, zorder=0.1)
     axes.add_patch(inside)
     return inside
+
+
+def _inside(field: Field, boundary: Boundary, first: int, second: int, slack: float = 1.0) -> NDArray[np.bool_]:
+    """Cells with their centre inside of the drum: kernels reach through its wall, particles do not."""
+    across = field.grid.axis_m(first)[:, None] - boundary.point_m[first]
+    along = field.grid.axis_m(second)[None, :] - boundary.point_m[second]
+    # Cut cells are drawn, and clipped: `slack` counts diagonals of cells.
+    diagonal = np.hypot(*(np.diff(field.grid.edges_m(axis)[:2])[0] for axis in (first, second)))
+    return np.asarray(np.hypot(across, along) < boundary.radius_m + slack * diagonal)
 
 
 def _extend(values: NDArray[Any], norm: Normalize) -> str:

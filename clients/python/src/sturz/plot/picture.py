@@ -17,7 +17,7 @@ from ..state import BoundaryState, Shape, State
 from ..status import Boundary, Domain
 from . import render
 from .render import View
-from .style import FAINT, INK, INSIDE, WALL, look, new_figure
+from .style import FAINT, INK, INSIDE, SPEEDS, WALL, look, new_figure
 
 _OVERSAMPLING = 2
 _MARGIN = 0.035
@@ -161,7 +161,7 @@ def picture(
     colour_by: str | ArrayLike = "speed",
     label: str | None = None,
     limits: tuple[float, float] | None = None,
-    colour_map: str = "viridis",
+    colour_map: str | None = None,
     view: View | None = None,
     title: str | None = None,
     width_in: float = 7.2,
@@ -178,7 +178,7 @@ def picture(
         colour_by: ``speed``, ``angular_speed``, or one number per particle, (n,).
         label: of the colour bar, with its unit.
         limits: of the colour bar; from 0 to a round number above the 99th percentile when absent.
-        colour_map: of matplotlib.
+        colour_map: of matplotlib; one that leaves room for shading when absent.
         view: from where; along +y with z up when absent.
         title: above the picture.
         width_in: of the picture, inches.
@@ -191,7 +191,8 @@ def picture(
     shapes, boundaries = tuple(shapes), tuple(boundaries)
     values, meaning = _values(state, colour_by)
     norm = Normalize(*(limits or _round_limits(values)))
-    colours = matplotlib.colormaps[colour_map](norm(values))[:, :3] if len(values) else np.zeros((0, 3))
+    chosen = matplotlib.colormaps[colour_map] if colour_map is not None else SPEEDS
+    colours = chosen(norm(values))[:, :3] if len(values) else np.zeros((0, 3))
     left, right, bottom, top = _extent(state, shapes, boundaries, domain, view)
     drawing_in = width_in - 1.6
     pixel_m = (right - left) / (drawing_in * dpi * _OVERSAMPLING)
@@ -217,10 +218,10 @@ def picture(
         axes.set_xlabel(f"{_axis_name(view.axes()[0])} (mm)")
         axes.set_ylabel(f"{_axis_name(view.axes()[1])} (mm)")
         axes.spines[["top", "right"]].set_visible(False)
-        _draw_gravity(axes, state.gravity_m_per_s2, view, (0.045, 0.93))
+        _draw_gravity(axes, state.gravity_m_per_s2, view, (0.07, 0.93))
         axes.set_title(title if title is not None else f"{len(state)} particles")
         axes.set_title(f"t = {state.time_s:.3f} s", loc="right", fontweight="normal")
-        mappable = matplotlib.cm.ScalarMappable(norm, colour_map)
+        mappable = matplotlib.cm.ScalarMappable(norm, chosen)
         above = bool(len(values)) and values.max() > norm.vmax
         bar = figure.colorbar(mappable, ax=axes, shrink=0.72, aspect=28, pad=0.02, extend="max" if above else "neither")
         bar.set_label(label if label is not None else meaning)

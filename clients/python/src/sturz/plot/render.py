@@ -130,7 +130,7 @@ class Buffer:
     particle: NDArray[np.int64]
 
 
-def _weights(xy: Array, x: Array, y: Array) -> Array:
+def _weights(xy: Array, x: NDArray[Any], y: NDArray[Any]) -> Array:
     """Barycentric weights (k, 3) of points in triangles (k, 3, 2)."""
     (ax, ay), (bx, by), (cx, cy) = (xy[:, i].T for i in range(3))
     area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)

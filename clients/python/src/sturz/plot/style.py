@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, cast
 
 import matplotlib
+from matplotlib.colors import LinearSegmentedColormap
 
 INK = "#22303c"
 FAINT = "#7a8791"
 PAPER = "#ffffff"
 INSIDE = "#f3f5f6"
 WALL = "#c3cad0"
+
+# From slow to fast, ever lighter; no colour so dark that shading would not show.
+SPEEDS = LinearSegmentedColormap.from_list(
+    "sturz", ["#3d4f96", "#3a7fb8", "#3fb0ac", "#8fd07c", "#e9e163", "#fff6b3"], N=512
+)
 
 _SETTINGS: dict[str, Any] = {
     "font.family": "sans-serif",
@@ -42,7 +48,7 @@ _SETTINGS: dict[str, Any] = {
 @contextmanager
 def look() -> Iterator[None]:
     """Draws with these settings, and leaves the user's as they were."""
-    with matplotlib.rc_context(_SETTINGS):
+    with matplotlib.rc_context(cast(Any, _SETTINGS)):
         yield
 
 
