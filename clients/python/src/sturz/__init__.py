@@ -1,0 +1,81 @@
+"""Steer a Sturz particle simulation from Python, and read its state and fields as numpy arrays.
+
+>>> import sturz
+>>> with sturz.launch("drum-crosses") as simulation:  # doctest: +SKIP
+...     simulation.set_gravity(gravity_m_per_s2=(0.0, 0.0, -9.81))
+...     simulation.advance(window_s=0.1)
+...     print(simulation.state().positions_m.shape)
+
+Units are SI and in the names; angles are in radians. Pictures are in `sturz.plot` (`pip install sturz[plots]`).
+"""
+
+from .errors import (
+    CommandError,
+    DaemonGone,
+    ErrorCode,
+    LaunchFailed,
+    NoAnswer,
+    NotConnected,
+    ProtocolError,
+    SturzError,
+    Timeout,
+)
+from .field import Field, FieldDefinition, FieldMean, Grid
+from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, launch
+from .state import BoundaryState, ColumnMissing, Header, Shape, State
+from .status import (
+    Boundary,
+    Domain,
+    EnergyBalance,
+    Event,
+    EventKind,
+    Features,
+    Info,
+    Limits,
+    Report,
+    RunState,
+    Severity,
+)
+from .stream import Stream
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Advanced",
+    "Boundary",
+    "BoundaryState",
+    "Box",
+    "ColumnMissing",
+    "CommandError",
+    "Cylinder",
+    "DaemonGone",
+    "Domain",
+    "EnergyBalance",
+    "ErrorCode",
+    "Event",
+    "EventKind",
+    "Features",
+    "Field",
+    "FieldDefinition",
+    "FieldMean",
+    "Grid",
+    "Header",
+    "Info",
+    "LaunchFailed",
+    "Limits",
+    "NoAnswer",
+    "NotConnected",
+    "ProtocolError",
+    "Report",
+    "RunState",
+    "Severity",
+    "Shape",
+    "Simulation",
+    "State",
+    "Stepped",
+    "Stream",
+    "SturzError",
+    "Timeout",
+    "connect",
+    "launch",
+]

@@ -1,0 +1,372 @@
+from . import data_pb2 as _data_pb2
+from google.protobuf.internal import containers as _containers
+from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
+from google.protobuf import descriptor as _descriptor
+from google.protobuf import message as _message
+from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
+
+DESCRIPTOR: _descriptor.FileDescriptor
+
+class StopReason(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    STOP_REASON_UNSPECIFIED: _ClassVar[StopReason]
+    STOP_REASON_COMPLETE: _ClassVar[StopReason]
+    STOP_REASON_PAUSED: _ClassVar[StopReason]
+    STOP_REASON_STOPPED: _ClassVar[StopReason]
+
+class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    ERROR_CODE_UNSPECIFIED: _ClassVar[ErrorCode]
+    ERROR_CODE_UNDECODABLE: _ClassVar[ErrorCode]
+    ERROR_CODE_INVALID_INPUT: _ClassVar[ErrorCode]
+    ERROR_CODE_TOO_LARGE: _ClassVar[ErrorCode]
+    ERROR_CODE_BUSY: _ClassVar[ErrorCode]
+    ERROR_CODE_NOT_PAUSED: _ClassVar[ErrorCode]
+    ERROR_CODE_WINDOW_IN_FLIGHT: _ClassVar[ErrorCode]
+    ERROR_CODE_WRONG_TIME: _ClassVar[ErrorCode]
+    ERROR_CODE_REQUEST_ID_REUSED: _ClassVar[ErrorCode]
+    ERROR_CODE_NOT_FOUND: _ClassVar[ErrorCode]
+    ERROR_CODE_RUN_FAILED: _ClassVar[ErrorCode]
+    ERROR_CODE_STOPPING: _ClassVar[ErrorCode]
+    ERROR_CODE_INTERNAL: _ClassVar[ErrorCode]
+STOP_REASON_UNSPECIFIED: StopReason
+STOP_REASON_COMPLETE: StopReason
+STOP_REASON_PAUSED: StopReason
+STOP_REASON_STOPPED: StopReason
+ERROR_CODE_UNSPECIFIED: ErrorCode
+ERROR_CODE_UNDECODABLE: ErrorCode
+ERROR_CODE_INVALID_INPUT: ErrorCode
+ERROR_CODE_TOO_LARGE: ErrorCode
+ERROR_CODE_BUSY: ErrorCode
+ERROR_CODE_NOT_PAUSED: ErrorCode
+ERROR_CODE_WINDOW_IN_FLIGHT: ErrorCode
+ERROR_CODE_WRONG_TIME: ErrorCode
+ERROR_CODE_REQUEST_ID_REUSED: ErrorCode
+ERROR_CODE_NOT_FOUND: ErrorCode
+ERROR_CODE_RUN_FAILED: ErrorCode
+ERROR_CODE_STOPPING: ErrorCode
+ERROR_CODE_INTERNAL: ErrorCode
+
+class CommandHeader(_message.Message):
+    __slots__ = ("client_id", "request_id", "at_time_s")
+    CLIENT_ID_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    AT_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    client_id: str
+    request_id: str
+    at_time_s: float
+    def __init__(self, client_id: _Optional[str] = ..., request_id: _Optional[str] = ..., at_time_s: _Optional[float] = ...) -> None: ...
+
+class ScaleRange(_message.Message):
+    __slots__ = ("min", "max")
+    MIN_FIELD_NUMBER: _ClassVar[int]
+    MAX_FIELD_NUMBER: _ClassVar[int]
+    min: float
+    max: float
+    def __init__(self, min: _Optional[float] = ..., max: _Optional[float] = ...) -> None: ...
+
+class InsertRequest(_message.Message):
+    __slots__ = ("header", "shape", "material", "poses", "lattice", "random", "velocity_m_per_s", "angular_velocity_rad_per_s", "scale")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    SHAPE_FIELD_NUMBER: _ClassVar[int]
+    MATERIAL_FIELD_NUMBER: _ClassVar[int]
+    POSES_FIELD_NUMBER: _ClassVar[int]
+    LATTICE_FIELD_NUMBER: _ClassVar[int]
+    RANDOM_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    ANGULAR_VELOCITY_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    SCALE_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    shape: str
+    material: str
+    poses: PosesPlacement
+    lattice: LatticePlacement
+    random: RandomPlacement
+    velocity_m_per_s: _data_pb2.Vec3
+    angular_velocity_rad_per_s: _data_pb2.Vec3
+    scale: ScaleRange
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., shape: _Optional[str] = ..., material: _Optional[str] = ..., poses: _Optional[_Union[PosesPlacement, _Mapping]] = ..., lattice: _Optional[_Union[LatticePlacement, _Mapping]] = ..., random: _Optional[_Union[RandomPlacement, _Mapping]] = ..., velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., angular_velocity_rad_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., scale: _Optional[_Union[ScaleRange, _Mapping]] = ...) -> None: ...
+
+class PosesPlacement(_message.Message):
+    __slots__ = ("positions_m", "orientations_wxyz")
+    POSITIONS_M_FIELD_NUMBER: _ClassVar[int]
+    ORIENTATIONS_WXYZ_FIELD_NUMBER: _ClassVar[int]
+    positions_m: _data_pb2.Column
+    orientations_wxyz: _data_pb2.Column
+    def __init__(self, positions_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., orientations_wxyz: _Optional[_Union[_data_pb2.Column, _Mapping]] = ...) -> None: ...
+
+class LatticePlacement(_message.Message):
+    __slots__ = ("origin_m", "spacing_m", "count_x", "count_y", "count_z", "random_orientation")
+    ORIGIN_M_FIELD_NUMBER: _ClassVar[int]
+    SPACING_M_FIELD_NUMBER: _ClassVar[int]
+    COUNT_X_FIELD_NUMBER: _ClassVar[int]
+    COUNT_Y_FIELD_NUMBER: _ClassVar[int]
+    COUNT_Z_FIELD_NUMBER: _ClassVar[int]
+    RANDOM_ORIENTATION_FIELD_NUMBER: _ClassVar[int]
+    origin_m: _data_pb2.Vec3
+    spacing_m: _data_pb2.Vec3
+    count_x: int
+    count_y: int
+    count_z: int
+    random_orientation: bool
+    def __init__(self, origin_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., spacing_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., count_x: _Optional[int] = ..., count_y: _Optional[int] = ..., count_z: _Optional[int] = ..., random_orientation: bool = ...) -> None: ...
+
+class RandomPlacement(_message.Message):
+    __slots__ = ("box", "cylinder", "count", "solid_fraction", "fixed_orientation", "attempts")
+    BOX_FIELD_NUMBER: _ClassVar[int]
+    CYLINDER_FIELD_NUMBER: _ClassVar[int]
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    SOLID_FRACTION_FIELD_NUMBER: _ClassVar[int]
+    FIXED_ORIENTATION_FIELD_NUMBER: _ClassVar[int]
+    ATTEMPTS_FIELD_NUMBER: _ClassVar[int]
+    box: BoxRegion
+    cylinder: CylinderRegion
+    count: int
+    solid_fraction: float
+    fixed_orientation: bool
+    attempts: int
+    def __init__(self, box: _Optional[_Union[BoxRegion, _Mapping]] = ..., cylinder: _Optional[_Union[CylinderRegion, _Mapping]] = ..., count: _Optional[int] = ..., solid_fraction: _Optional[float] = ..., fixed_orientation: bool = ..., attempts: _Optional[int] = ...) -> None: ...
+
+class BoxRegion(_message.Message):
+    __slots__ = ("min_m", "max_m")
+    MIN_M_FIELD_NUMBER: _ClassVar[int]
+    MAX_M_FIELD_NUMBER: _ClassVar[int]
+    min_m: _data_pb2.Vec3
+    max_m: _data_pb2.Vec3
+    def __init__(self, min_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., max_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ...) -> None: ...
+
+class CylinderRegion(_message.Message):
+    __slots__ = ("point_m", "axis", "radius_m", "length_m")
+    POINT_M_FIELD_NUMBER: _ClassVar[int]
+    AXIS_FIELD_NUMBER: _ClassVar[int]
+    RADIUS_M_FIELD_NUMBER: _ClassVar[int]
+    LENGTH_M_FIELD_NUMBER: _ClassVar[int]
+    point_m: _data_pb2.Vec3
+    axis: _data_pb2.Vec3
+    radius_m: float
+    length_m: float
+    def __init__(self, point_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., axis: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., radius_m: _Optional[float] = ..., length_m: _Optional[float] = ...) -> None: ...
+
+class RemoveRequest(_message.Message):
+    __slots__ = ("header", "ids")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    IDS_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    ids: _containers.RepeatedScalarFieldContainer[int]
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., ids: _Optional[_Iterable[int]] = ...) -> None: ...
+
+class SetGravityRequest(_message.Message):
+    __slots__ = ("header", "gravity_m_per_s2")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    GRAVITY_M_PER_S2_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    gravity_m_per_s2: _data_pb2.Vec3
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., gravity_m_per_s2: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ...) -> None: ...
+
+class SetMotionRequest(_message.Message):
+    __slots__ = ("header", "boundary", "motion")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    BOUNDARY_FIELD_NUMBER: _ClassVar[int]
+    MOTION_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    boundary: str
+    motion: Motion
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., boundary: _Optional[str] = ..., motion: _Optional[_Union[Motion, _Mapping]] = ...) -> None: ...
+
+class Motion(_message.Message):
+    __slots__ = ("fixed", "rotation", "translation")
+    FIXED_FIELD_NUMBER: _ClassVar[int]
+    ROTATION_FIELD_NUMBER: _ClassVar[int]
+    TRANSLATION_FIELD_NUMBER: _ClassVar[int]
+    fixed: FixedMotion
+    rotation: RotationMotion
+    translation: TranslationMotion
+    def __init__(self, fixed: _Optional[_Union[FixedMotion, _Mapping]] = ..., rotation: _Optional[_Union[RotationMotion, _Mapping]] = ..., translation: _Optional[_Union[TranslationMotion, _Mapping]] = ...) -> None: ...
+
+class FixedMotion(_message.Message):
+    __slots__ = ()
+    def __init__(self) -> None: ...
+
+class RotationMotion(_message.Message):
+    __slots__ = ("point_m", "axis", "constant", "ramp")
+    POINT_M_FIELD_NUMBER: _ClassVar[int]
+    AXIS_FIELD_NUMBER: _ClassVar[int]
+    CONSTANT_FIELD_NUMBER: _ClassVar[int]
+    RAMP_FIELD_NUMBER: _ClassVar[int]
+    point_m: _data_pb2.Vec3
+    axis: _data_pb2.Vec3
+    constant: ConstantAngularVelocity
+    ramp: RampAngularVelocity
+    def __init__(self, point_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., axis: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., constant: _Optional[_Union[ConstantAngularVelocity, _Mapping]] = ..., ramp: _Optional[_Union[RampAngularVelocity, _Mapping]] = ...) -> None: ...
+
+class ConstantAngularVelocity(_message.Message):
+    __slots__ = ("rad_per_s",)
+    RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    rad_per_s: float
+    def __init__(self, rad_per_s: _Optional[float] = ...) -> None: ...
+
+class RampAngularVelocity(_message.Message):
+    __slots__ = ("rad_per_s", "duration_s")
+    RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    DURATION_S_FIELD_NUMBER: _ClassVar[int]
+    rad_per_s: float
+    duration_s: float
+    def __init__(self, rad_per_s: _Optional[float] = ..., duration_s: _Optional[float] = ...) -> None: ...
+
+class TranslationMotion(_message.Message):
+    __slots__ = ("velocity_m_per_s",)
+    VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    velocity_m_per_s: _data_pb2.Vec3
+    def __init__(self, velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ...) -> None: ...
+
+class PauseRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
+
+class ResumeRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
+
+class StepRequest(_message.Message):
+    __slots__ = ("header", "steps")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    STEPS_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    steps: int
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., steps: _Optional[int] = ...) -> None: ...
+
+class AdvanceRequest(_message.Message):
+    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    FROM_STEP_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_S_FIELD_NUMBER: _ClassVar[int]
+    OUTPUTS_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    from_time_s: float
+    from_step: int
+    window_s: float
+    outputs: Outputs
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ...) -> None: ...
+
+class Outputs(_message.Message):
+    __slots__ = ("columns", "fields", "float_type")
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    FIELDS_FIELD_NUMBER: _ClassVar[int]
+    FLOAT_TYPE_FIELD_NUMBER: _ClassVar[int]
+    columns: _containers.RepeatedScalarFieldContainer[str]
+    fields: _containers.RepeatedScalarFieldContainer[str]
+    float_type: _data_pb2.DataType
+    def __init__(self, columns: _Optional[_Iterable[str]] = ..., fields: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[_data_pb2.DataType, str]] = ...) -> None: ...
+
+class DefineFieldRequest(_message.Message):
+    __slots__ = ("header", "field")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    FIELD_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    field: _data_pb2.FieldDefinition
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., field: _Optional[_Union[_data_pb2.FieldDefinition, _Mapping]] = ...) -> None: ...
+
+class DropFieldRequest(_message.Message):
+    __slots__ = ("header", "name")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    name: str
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., name: _Optional[str] = ...) -> None: ...
+
+class StopRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
+
+class Outcome(_message.Message):
+    __slots__ = ("client_id", "request_id", "command", "step", "sim_time_s", "repeated", "error", "applied", "inserted", "removed", "stepped", "advanced")
+    CLIENT_ID_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    COMMAND_FIELD_NUMBER: _ClassVar[int]
+    STEP_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    REPEATED_FIELD_NUMBER: _ClassVar[int]
+    ERROR_FIELD_NUMBER: _ClassVar[int]
+    APPLIED_FIELD_NUMBER: _ClassVar[int]
+    INSERTED_FIELD_NUMBER: _ClassVar[int]
+    REMOVED_FIELD_NUMBER: _ClassVar[int]
+    STEPPED_FIELD_NUMBER: _ClassVar[int]
+    ADVANCED_FIELD_NUMBER: _ClassVar[int]
+    client_id: str
+    request_id: str
+    command: str
+    step: int
+    sim_time_s: float
+    repeated: bool
+    error: Error
+    applied: Applied
+    inserted: Inserted
+    removed: Removed
+    stepped: Stepped
+    advanced: Advanced
+    def __init__(self, client_id: _Optional[str] = ..., request_id: _Optional[str] = ..., command: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., repeated: bool = ..., error: _Optional[_Union[Error, _Mapping]] = ..., applied: _Optional[_Union[Applied, _Mapping]] = ..., inserted: _Optional[_Union[Inserted, _Mapping]] = ..., removed: _Optional[_Union[Removed, _Mapping]] = ..., stepped: _Optional[_Union[Stepped, _Mapping]] = ..., advanced: _Optional[_Union[Advanced, _Mapping]] = ...) -> None: ...
+
+class Applied(_message.Message):
+    __slots__ = ()
+    def __init__(self) -> None: ...
+
+class Inserted(_message.Message):
+    __slots__ = ("first_id", "count")
+    FIRST_ID_FIELD_NUMBER: _ClassVar[int]
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    first_id: int
+    count: int
+    def __init__(self, first_id: _Optional[int] = ..., count: _Optional[int] = ...) -> None: ...
+
+class Removed(_message.Message):
+    __slots__ = ("count",)
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    count: int
+    def __init__(self, count: _Optional[int] = ...) -> None: ...
+
+class Stepped(_message.Message):
+    __slots__ = ("steps_done", "step", "time_reached_s", "stop_reason")
+    STEPS_DONE_FIELD_NUMBER: _ClassVar[int]
+    STEP_FIELD_NUMBER: _ClassVar[int]
+    TIME_REACHED_S_FIELD_NUMBER: _ClassVar[int]
+    STOP_REASON_FIELD_NUMBER: _ClassVar[int]
+    steps_done: int
+    step: int
+    time_reached_s: float
+    stop_reason: StopReason
+    def __init__(self, steps_done: _Optional[int] = ..., step: _Optional[int] = ..., time_reached_s: _Optional[float] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ...) -> None: ...
+
+class Advanced(_message.Message):
+    __slots__ = ("time_reached_s", "step", "steps_done", "window_steps", "stop_reason", "frame", "fields")
+    TIME_REACHED_S_FIELD_NUMBER: _ClassVar[int]
+    STEP_FIELD_NUMBER: _ClassVar[int]
+    STEPS_DONE_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_STEPS_FIELD_NUMBER: _ClassVar[int]
+    STOP_REASON_FIELD_NUMBER: _ClassVar[int]
+    FRAME_FIELD_NUMBER: _ClassVar[int]
+    FIELDS_FIELD_NUMBER: _ClassVar[int]
+    time_reached_s: float
+    step: int
+    steps_done: int
+    window_steps: int
+    stop_reason: StopReason
+    frame: _data_pb2.Frame
+    fields: _containers.RepeatedCompositeFieldContainer[_data_pb2.FieldFrame]
+    def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ...) -> None: ...
+
+class Error(_message.Message):
+    __slots__ = ("code", "path", "message")
+    CODE_FIELD_NUMBER: _ClassVar[int]
+    PATH_FIELD_NUMBER: _ClassVar[int]
+    MESSAGE_FIELD_NUMBER: _ClassVar[int]
+    code: ErrorCode
+    path: str
+    message: str
+    def __init__(self, code: _Optional[_Union[ErrorCode, str]] = ..., path: _Optional[str] = ..., message: _Optional[str] = ...) -> None: ...

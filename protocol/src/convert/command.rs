@@ -1,0 +1,307 @@
+//! Requests to and from the engine's commands.
+
+use sturz_engine::InvalidInput;
+use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
+use sturz_engine::scene::{
+    AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange,
+};
+
+use super::{finite, need, needed_vector, optional_vector, vec3};
+use crate::columns::{self, Number};
+use crate::v1;
+
+const DEFAULT_ATTEMPTS: u32 = 2000;
+const DEFAULT_CUTOFF_WIDTHS: f64 = 4.0;
+
+/// The body of `insert`.
+pub fn insertion_from_wire(request: &v1::InsertRequest) -> Result<InsertionDescription, InvalidInput> {
+    use v1::insert_request::Placement as Wire;
+    let placement = match need(&request.placement, "placement")? {
+        Wire::Poses(poses) => poses_from_wire(poses)?,
+        Wire::Lattice(lattice) => lattice_from_wire(lattice)?,
+        Wire::Random(random) => random_from_wire(random)?,
+    };
+    let scale = match &request.scale {
+        Some(range) => ScaleRange { min: finite(range.min, "scale.min")?, max: finite(range.max, "scale.max")? },
+        None => ScaleRange::default(),
+    };
+    Ok(InsertionDescription {
+        shape: request.shape.clone(),
+        material: request.material.clone(),
+        placement,
+        velocity_m_per_s: optional_vector(&request.velocity_m_per_s, "velocity_m_per_s")?,
+        angular_velocity_rad_per_s: optional_vector(
+            &request.angular_velocity_rad_per_s,
+            "angular_velocity_rad_per_s",
+        )?,
+        scale,
+    })
+}
+
+fn poses_from_wire(poses: &v1::PosesPlacement) -> Result<Placement, InvalidInput> {
+    let path = "placement.poses.positions_m";
+    let positions_m = finite_rows(need(&poses.positions_m, path)?, path)?;
+    let path = "placement.poses.orientations_wxyz";
+    let orientations_wxyz: Vec<[f64; 4]> = match &poses.orientations_wxyz {
+        Some(column) => finite_rows(column, path)?,
+        None => Vec::new(),
+    };
+    if !orientations_wxyz.is_empty() && orientations_wxyz.len() != positions_m.len() {
+        let problem = format!("has {} rows for {} positions", orientations_wxyz.len(), positions_m.len());
+        return Err(InvalidInput::new(path, problem));
+    }
+    Ok(Placement::Poses { positions_m, orientations_wxyz })
+}
+
+/// Rows of a column, all finite.
+fn finite_rows<const C: usize>(column: &v1::Column, path: &str) -> Result<Vec<[f64; C]>, InvalidInput>
+where
+    f64: Number,
+{
+    let rows = columns::read::<f64, C>(column).map_err(|error| InvalidInput::new(path, error.to_string()))?;
+    match rows.as_flattened().iter().position(|number| !number.is_finite()) {
+        Some(at) => {
+            let problem = format!("is {}, must be finite", rows.as_flattened()[at]);
+            Err(InvalidInput::new(format!("{path}[{}][{}]", at / C, at % C), problem))
+        }
+        None => Ok(rows),
+    }
+}
+
+fn lattice_from_wire(lattice: &v1::LatticePlacement) -> Result<Placement, InvalidInput> {
+    Ok(Placement::Lattice {
+        origin_m: needed_vector(&lattice.origin_m, "placement.lattice.origin_m")?,
+        spacing_m: needed_vector(&lattice.spacing_m, "placement.lattice.spacing_m")?,
+        counts: [lattice.count_x, lattice.count_y, lattice.count_z],
+        random_orientation: lattice.random_orientation,
+    })
+}
+
+fn random_from_wire(random: &v1::RandomPlacement) -> Result<Placement, InvalidInput> {
+    use v1::random_placement::{Amount, Region as WireRegion};
+    let region = match need(&random.region, "placement.random.region")? {
+        WireRegion::Box(region) => Region::Box {
+            min_m: needed_vector(&region.min_m, "placement.random.box.min_m")?,
+            max_m: needed_vector(&region.max_m, "placement.random.box.max_m")?,
+        },
+        WireRegion::Cylinder(region) => Region::Cylinder {
+            point_m: needed_vector(&region.point_m, "placement.random.cylinder.point_m")?,
+            axis: needed_vector(&region.axis, "placement.random.cylinder.axis")?,
+            radius_m: finite(region.radius_m, "placement.random.cylinder.radius_m")?,
+            length_m: finite(region.length_m, "placement.random.cylinder.length_m")?,
+        },
+    };
+    let (count, solid_fraction) = match need(&random.amount, "placement.random.amount")? {
+        Amount::Count(count) => (Some(*count), None),
+        Amount::SolidFraction(fraction) => {
+            (None, Some(finite(*fraction, "placement.random.solid_fraction")?))
+        }
+    };
+    Ok(Placement::Random {
+        region,
+        count,
+        solid_fraction,
+        fixed_orientation: random.fixed_orientation,
+        attempts: random.attempts.unwrap_or(DEFAULT_ATTEMPTS),
+    })
+}
+
+/// The same insertion as a request without a header.
+pub fn insertion_to_wire(insertion: &InsertionDescription) -> v1::InsertRequest {
+    use v1::insert_request::Placement as Wire;
+    let placement = match &insertion.placement {
+        Placement::Poses { positions_m, orientations_wxyz } => Wire::Poses(v1::PosesPlacement {
+            positions_m: Some(columns::rows("positions_m", "m", positions_m)),
+            orientations_wxyz: Some(columns::rows("orientations_wxyz", "", orientations_wxyz)),
+        }),
+        Placement::Lattice { origin_m, spacing_m, counts, random_orientation } => {
+            Wire::Lattice(v1::LatticePlacement {
+                origin_m: Some(vec3(*origin_m)),
+                spacing_m: Some(vec3(*spacing_m)),
+                count_x: counts[0],
+                count_y: counts[1],
+                count_z: counts[2],
+                random_orientation: *random_orientation,
+            })
+        }
+        Placement::Random { region, count, solid_fraction, fixed_orientation, attempts } => {
+            use v1::random_placement::Amount;
+            Wire::Random(v1::RandomPlacement {
+                region: Some(region_to_wire(region)),
+                amount: count.map(Amount::Count).or(solid_fraction.map(Amount::SolidFraction)),
+                fixed_orientation: *fixed_orientation,
+                attempts: Some(*attempts),
+            })
+        }
+    };
+    v1::InsertRequest {
+        header: None,
+        shape: insertion.shape.clone(),
+        material: insertion.material.clone(),
+        placement: Some(placement),
+        velocity_m_per_s: Some(vec3(insertion.velocity_m_per_s)),
+        angular_velocity_rad_per_s: Some(vec3(insertion.angular_velocity_rad_per_s)),
+        scale: Some(v1::ScaleRange { min: insertion.scale.min, max: insertion.scale.max }),
+    }
+}
+
+fn region_to_wire(region: &Region) -> v1::random_placement::Region {
+    use v1::random_placement::Region as Wire;
+    match region {
+        Region::Box { min_m, max_m } => {
+            Wire::Box(v1::BoxRegion { min_m: Some(vec3(*min_m)), max_m: Some(vec3(*max_m)) })
+        }
+        Region::Cylinder { point_m, axis, radius_m, length_m } => Wire::Cylinder(v1::CylinderRegion {
+            point_m: Some(vec3(*point_m)),
+            axis: Some(vec3(*axis)),
+            radius_m: *radius_m,
+            length_m: *length_m,
+        }),
+    }
+}
+
+/// The body of `set_gravity`.
+pub fn gravity_from_wire(request: &v1::SetGravityRequest) -> Result<[f64; 3], InvalidInput> {
+    needed_vector(&request.gravity_m_per_s2, "gravity_m_per_s2")
+}
+
+/// The motion of `set_motion`.
+pub fn motion_from_wire(request: &v1::SetMotionRequest) -> Result<MotionDescription, InvalidInput> {
+    use v1::motion::Kind;
+    match need(&need(&request.motion, "motion")?.kind, "motion.kind")? {
+        Kind::Fixed(_) => Ok(MotionDescription::Fixed),
+        Kind::Rotation(rotation) => Ok(MotionDescription::Rotation {
+            point_m: needed_vector(&rotation.point_m, "motion.rotation.point_m")?,
+            axis: needed_vector(&rotation.axis, "motion.rotation.axis")?,
+            angular_velocity: angular_velocity_from_wire(rotation)?,
+        }),
+        Kind::Translation(translation) => Ok(MotionDescription::Translation {
+            velocity_m_per_s: needed_vector(
+                &translation.velocity_m_per_s,
+                "motion.translation.velocity_m_per_s",
+            )?,
+        }),
+    }
+}
+
+fn angular_velocity_from_wire(rotation: &v1::RotationMotion) -> Result<AngularVelocity, InvalidInput> {
+    use v1::rotation_motion::AngularVelocity as Wire;
+    match need(&rotation.angular_velocity, "motion.rotation.angular_velocity")? {
+        Wire::Constant(constant) => Ok(AngularVelocity::Constant {
+            rad_per_s: finite(constant.rad_per_s, "motion.rotation.constant.rad_per_s")?,
+        }),
+        Wire::Ramp(ramp) => Ok(AngularVelocity::Ramp {
+            rad_per_s: finite(ramp.rad_per_s, "motion.rotation.ramp.rad_per_s")?,
+            duration_s: finite(ramp.duration_s, "motion.rotation.ramp.duration_s")?,
+        }),
+    }
+}
+
+/// The same motion for the wire.
+pub fn motion_to_wire(motion: &MotionDescription) -> v1::Motion {
+    use v1::motion::Kind;
+    use v1::rotation_motion::AngularVelocity as Wire;
+    let kind = match motion {
+        MotionDescription::Fixed => Kind::Fixed(v1::FixedMotion {}),
+        MotionDescription::Rotation { point_m, axis, angular_velocity } => {
+            let angular_velocity = match *angular_velocity {
+                AngularVelocity::Constant { rad_per_s } => {
+                    Wire::Constant(v1::ConstantAngularVelocity { rad_per_s })
+                }
+                AngularVelocity::Ramp { rad_per_s, duration_s } => {
+                    Wire::Ramp(v1::RampAngularVelocity { rad_per_s, duration_s })
+                }
+            };
+            Kind::Rotation(v1::RotationMotion {
+                point_m: Some(vec3(*point_m)),
+                axis: Some(vec3(*axis)),
+                angular_velocity: Some(angular_velocity),
+            })
+        }
+        MotionDescription::Translation { velocity_m_per_s } => {
+            Kind::Translation(v1::TranslationMotion { velocity_m_per_s: Some(vec3(*velocity_m_per_s)) })
+        }
+    };
+    v1::Motion { kind: Some(kind) }
+}
+
+/// Where an `advance` believes the engine to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// At this time, bit for bit.
+    Time(f64),
+    /// After this step.
+    Step(u64),
+}
+
+/// The start of `advance`.
+pub fn advance_start(request: &v1::AdvanceRequest) -> Result<Start, InvalidInput> {
+    use v1::advance_request::From;
+    match need(&request.from, "from_time_s")? {
+        From::FromTimeS(time) => Ok(Start::Time(finite(*time, "from_time_s")?)),
+        From::FromStep(step) => Ok(Start::Step(*step)),
+    }
+}
+
+/// The definition in `define_field`.
+pub fn field_definition_from_wire(field: &v1::FieldDefinition) -> Result<FieldDefinition, InvalidInput> {
+    let grid = need(&field.grid, "field.grid")?;
+    let quantities = field.quantities.iter().enumerate().map(|(at, &quantity)| {
+        quantity_from_wire(quantity).ok_or_else(|| {
+            InvalidInput::new(format!("field.quantities[{at}]"), format!("is {quantity}: no such quantity"))
+        })
+    });
+    Ok(FieldDefinition {
+        name: field.name.clone(),
+        grid: Grid {
+            min_m: needed_vector(&grid.min_m, "field.grid.min_m")?,
+            max_m: needed_vector(&grid.max_m, "field.grid.max_m")?,
+            cells: [grid.cells_x, grid.cells_y, grid.cells_z],
+        },
+        quantities: quantities.collect::<Result<_, _>>()?,
+        width_m: finite(field.width_m, "field.width_m")?,
+        cutoff_widths: finite(field.cutoff_widths.unwrap_or(DEFAULT_CUTOFF_WIDTHS), "field.cutoff_widths")?,
+    })
+}
+
+/// The same definition for the wire.
+pub fn field_definition_to_wire(field: &FieldDefinition) -> v1::FieldDefinition {
+    v1::FieldDefinition {
+        name: field.name.clone(),
+        grid: Some(grid_to_wire(&field.grid)),
+        quantities: field.quantities.iter().map(|&quantity| quantity_to_wire(quantity).into()).collect(),
+        width_m: field.width_m,
+        cutoff_widths: Some(field.cutoff_widths),
+    }
+}
+
+pub(super) fn grid_to_wire(grid: &Grid) -> v1::Grid {
+    v1::Grid {
+        min_m: Some(vec3(grid.min_m)),
+        max_m: Some(vec3(grid.max_m)),
+        cells_x: grid.cells[0],
+        cells_y: grid.cells[1],
+        cells_z: grid.cells[2],
+    }
+}
+
+fn quantity_from_wire(quantity: i32) -> Option<FieldQuantity> {
+    match v1::FieldQuantity::try_from(quantity).ok()? {
+        v1::FieldQuantity::Unspecified => None,
+        v1::FieldQuantity::SolidFraction => Some(FieldQuantity::SolidFraction),
+        v1::FieldQuantity::Density => Some(FieldQuantity::Density),
+        v1::FieldQuantity::Momentum => Some(FieldQuantity::Momentum),
+        v1::FieldQuantity::Velocity => Some(FieldQuantity::Velocity),
+        v1::FieldQuantity::GranularTemperature => Some(FieldQuantity::GranularTemperature),
+    }
+}
+
+fn quantity_to_wire(quantity: FieldQuantity) -> v1::FieldQuantity {
+    match quantity {
+        FieldQuantity::SolidFraction => v1::FieldQuantity::SolidFraction,
+        FieldQuantity::Density => v1::FieldQuantity::Density,
+        FieldQuantity::Momentum => v1::FieldQuantity::Momentum,
+        FieldQuantity::Velocity => v1::FieldQuantity::Velocity,
+        FieldQuantity::GranularTemperature => v1::FieldQuantity::GranularTemperature,
+    }
+}

@@ -1,0 +1,161 @@
+//! What the daemon refuses to exceed, and how it sits on the bus.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, anyhow};
+use serde::Deserialize;
+use sturz_protocol::v1;
+
+/// Where a daemon listens unless told otherwise.
+pub const DEFAULT_LISTEN: &str = "tcp/127.0.0.1:7447";
+
+/// `--listen auto`: a free port of the loopback interface.
+const AUTO_LISTEN: &str = "tcp/127.0.0.1:0";
+
+/// Bounds on what clients may ask for. A TOML file given with `--limits` may change them.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    /// Of one request. A hundred thousand poses take 5.6 MB.
+    pub message_bytes: usize,
+    /// Particles in one insertion.
+    pub insertion_particles: u64,
+    /// Particles in all.
+    pub particles: u64,
+    /// Requests waiting for the physics thread; as many more may wait to be decoded.
+    pub queue_length: usize,
+    /// Requests not yet answered: windows under way and commands for later count here.
+    pub open_requests: usize,
+    /// Settled requests whose outcome is remembered.
+    pub remembered_requests: usize,
+    /// Fields defined at a time.
+    pub fields: usize,
+    /// Cells of one field.
+    pub field_cells: u64,
+    /// Events kept for those who come late.
+    pub remembered_events: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            message_bytes: 64 << 20,
+            insertion_particles: 100_000,
+            particles: 1_000_000,
+            queue_length: 256,
+            open_requests: 1024,
+            remembered_requests: 4096,
+            fields: 64,
+            field_cells: 4_000_000,
+            remembered_events: 256,
+        }
+    }
+}
+
+impl Limits {
+    /// From a TOML file; defaults without one.
+    pub fn load(path: Option<&Path>) -> anyhow::Result<Self> {
+        let Some(path) = path else {
+            return Ok(Self::default());
+        };
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let limits: Self = toml::from_str(&text).with_context(|| format!("in {}", path.display()))?;
+        if limits.queue_length == 0 || limits.open_requests == 0 || limits.remembered_events == 0 {
+            return Err(anyhow!("queue_length, open_requests and remembered_events must be at least 1"));
+        }
+        Ok(limits)
+    }
+
+    /// For `features`.
+    pub fn to_wire(&self) -> v1::Limits {
+        v1::Limits {
+            message_bytes: self.message_bytes as u64,
+            insertion_particles: self.insertion_particles,
+            particles: self.particles,
+            queue_length: self.queue_length as u64,
+            remembered_requests: self.remembered_requests as u64,
+            fields: self.fields as u64,
+            field_cells: self.field_cells,
+        }
+    }
+}
+
+/// How a daemon or a client sits on the bus.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Bus {
+    /// Endpoints to listen on; `auto` for a free loopback port.
+    pub listen: Vec<String>,
+    /// Endpoints to connect to.
+    pub connect: Vec<String>,
+    /// A zenoh configuration file to start from.
+    pub file: Option<PathBuf>,
+}
+
+impl Bus {
+    /// Of a daemon: a peer that needs no router. Discovery is off, since two daemons that find each other by
+    /// accident would answer for one another.
+    pub fn daemon_config(&self) -> anyhow::Result<zenoh::Config> {
+        let mut config = self.base()?;
+        set(&mut config, "mode", &"peer")?;
+        let listen: Vec<&str> = self.listen.iter().map(|e| if e == "auto" { AUTO_LISTEN } else { e }).collect();
+        if !listen.is_empty() {
+            set(&mut config, "listen/endpoints", &listen)?;
+        }
+        set(&mut config, "listen/exit_on_failure", &true)?;
+        set(&mut config, "listen/timeout_ms", &0)?;
+        if !self.connect.is_empty() {
+            set(&mut config, "connect/endpoints", &self.connect)?;
+        }
+        Ok(config)
+    }
+
+    /// Of a client of a daemon.
+    pub fn client_config(&self) -> anyhow::Result<zenoh::Config> {
+        let mut config = self.base()?;
+        set(&mut config, "mode", &"client")?;
+        set(&mut config, "connect/endpoints", &self.connect)?;
+        set(&mut config, "connect/exit_on_failure", &true)?;
+        set(&mut config, "connect/timeout_ms", &0)?;
+        Ok(config)
+    }
+
+    fn base(&self) -> anyhow::Result<zenoh::Config> {
+        let mut config = match &self.file {
+            Some(path) => {
+                zenoh::Config::from_file(path).map_err(|error| anyhow!("{}: {error}", path.display()))?
+            }
+            None => zenoh::Config::default(),
+        };
+        set(&mut config, "scouting/multicast/enabled", &false)?;
+        set(&mut config, "scouting/gossip/enabled", &false)?;
+        Ok(config)
+    }
+}
+
+fn set<T: serde::Serialize + ?Sized>(config: &mut zenoh::Config, key: &str, value: &T) -> anyhow::Result<()> {
+    let json = serde_json::to_string(value).context("plain values are JSON")?;
+    config.insert_json5(key, &json).map_err(|error| anyhow!("zenoh configuration {key} = {json}: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn discovery_is_off_and_auto_is_a_loopback_port() {
+        let bus = Bus { listen: vec!["auto".into()], ..Bus::default() };
+        let config = bus.daemon_config().unwrap();
+        for key in ["scouting/multicast/enabled", "scouting/gossip/enabled"] {
+            assert_eq!(config.get_json(key).unwrap(), "false");
+        }
+        assert!(config.get_json("listen/endpoints").unwrap().contains("tcp/127.0.0.1:0"));
+        assert_eq!(config.get_json("mode").unwrap(), "\"peer\"");
+    }
+
+    #[test]
+    fn limits_refuse_unknown_keys() {
+        let limits: Limits = toml::from_str("particles = 5").unwrap();
+        assert_eq!(limits, Limits { particles: 5, ..Limits::default() });
+        assert!(toml::from_str::<Limits>("partickles = 5").is_err());
+    }
+}

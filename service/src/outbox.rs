@@ -1,0 +1,346 @@
+//! What the physics hands out: latest-wins slots, one per stream, and a queue of notices.
+//!
+//! The physics thread never waits here. A slot holds one frame; a newer one replaces it, and the buffer of the older
+//! one is filled again. Where the other side holds the lock at this very moment, the frame is dropped instead.
+//! Nothing is copied or computed unless somebody listens.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
+
+use sturz_engine::Snapshot;
+use sturz_engine::fields::{FieldDefinition, FieldFrame};
+use sturz_protocol::v1;
+use tokio::sync::{Notify, mpsc};
+
+use crate::mailbox::ReportSample;
+use crate::ticket::Moment;
+
+/// One place for the latest frame of a stream, shared by the physics and the publisher.
+pub struct Slot<T> {
+    fresh: Mutex<Option<Box<T>>>,
+    spare: Mutex<Option<Box<T>>>,
+    /// Somebody subscribes.
+    wanted: AtomicBool,
+    /// Somebody has begun to: the state of now is news to them, though it has not changed.
+    newcomer: AtomicBool,
+    offered: AtomicU64,
+    published: AtomicU64,
+    dropped: AtomicU64,
+    filled: Notify,
+}
+
+impl<T> Default for Slot<T> {
+    fn default() -> Self {
+        Self {
+            fresh: Mutex::new(None),
+            spare: Mutex::new(None),
+            wanted: AtomicBool::new(false),
+            newcomer: AtomicBool::new(false),
+            offered: AtomicU64::new(0),
+            published: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
+            filled: Notify::new(),
+        }
+    }
+}
+
+impl<T> Slot<T> {
+    /// Publisher's side: whether anybody subscribes.
+    pub fn set_wanted(&self, wanted: bool) {
+        self.wanted.store(wanted, Relaxed);
+        self.newcomer.store(wanted, Relaxed);
+    }
+
+    /// Publisher's side: the latest frame, once there is one.
+    pub async fn latest(&self) -> Box<T> {
+        loop {
+            let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
+            match fresh {
+                Some(frame) => return frame,
+                None => self.filled.notified().await,
+            }
+        }
+    }
+
+    /// Publisher's side: the frame is on the bus, its buffer free.
+    pub fn published(&self, buffer: Box<T>) {
+        self.published.fetch_add(1, Relaxed);
+        *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(buffer);
+    }
+
+    /// Physics' side: replaces what is there. `fill` gets a used buffer, if there is one.
+    pub fn offer(&self, fill: impl FnOnce(Option<Box<T>>) -> Box<T>) {
+        self.offered.fetch_add(1, Relaxed);
+        let frame = fill(self.take_spare());
+        let replaced = match self.fresh.try_lock() {
+            Ok(mut fresh) => fresh.replace(frame),
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().replace(frame),
+            Err(TryLockError::WouldBlock) => Some(frame),
+        };
+        self.filled.notify_one();
+        if let Some(unread) = replaced {
+            self.dropped.fetch_add(1, Relaxed);
+            if let Ok(mut spare) = self.spare.try_lock() {
+                *spare = Some(unread);
+            }
+        }
+    }
+
+    fn take_spare(&self) -> Option<Box<T>> {
+        self.spare.try_lock().ok().and_then(|mut spare| spare.take())
+    }
+
+    fn counts(&self, name: String) -> v1::StreamCounts {
+        v1::StreamCounts {
+            name,
+            offered: self.offered.load(Relaxed),
+            published: self.published.load(Relaxed),
+            dropped: self.dropped.load(Relaxed),
+        }
+    }
+}
+
+/// Which state of the simulation: another one after every step and every command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mark {
+    /// Steps done.
+    pub step: u64,
+    /// Commands applied and changes of mode.
+    pub revision: u64,
+}
+
+/// Physics' side of a stream: a slot, and when to fill it next.
+pub struct Stream<T> {
+    slot: Arc<Slot<T>>,
+    period: Duration,
+    last: Option<(Instant, Mark)>,
+}
+
+impl<T> Stream<T> {
+    /// A stream of at most `rate_hz` frames per wall second.
+    pub fn new(rate_hz: f64) -> Self {
+        let period = if rate_hz > 0.0 { 1.0 / rate_hz } else { f64::INFINITY };
+        let period = Duration::try_from_secs_f64(period).unwrap_or(Duration::MAX);
+        Self { slot: Arc::default(), period, last: None }
+    }
+
+    /// The publisher's side.
+    pub fn slot(&self) -> Arc<Slot<T>> {
+        Arc::clone(&self.slot)
+    }
+
+    /// When to offer the state of `mark`; `None` when nobody wants it, or all have it.
+    fn due(&self, mark: Mark) -> Option<Instant> {
+        if !self.slot.wanted.load(Relaxed) {
+            return None;
+        }
+        let newcomer = self.slot.newcomer.load(Relaxed);
+        match self.last {
+            Some((_, last)) if last == mark && !newcomer => None,
+            Some((at, _)) => at.checked_add(self.period),
+            None => Some(Instant::now()),
+        }
+    }
+
+    /// Offers a frame if one is due.
+    pub fn offer(&mut self, now: Instant, mark: Mark, fill: impl FnOnce(Option<Box<T>>) -> Box<T>) {
+        if self.is_due(now, mark) {
+            self.slot.newcomer.store(false, Relaxed);
+            self.slot.offer(fill);
+            self.last = Some((now, mark));
+        }
+    }
+
+    /// Whether a frame is due.
+    pub fn is_due(&self, now: Instant, mark: Mark) -> bool {
+        self.due(mark).is_some_and(|due| due <= now)
+    }
+}
+
+/// A defined field and its stream.
+pub struct FieldStream {
+    /// What is sampled.
+    pub definition: FieldDefinition,
+    /// Where it goes.
+    pub stream: Stream<FieldFrame>,
+}
+
+/// What the I/O side must hear of, in order.
+pub enum Notice {
+    /// To publish.
+    Event {
+        /// What happened.
+        kind: v1::EventKind,
+        /// How bad it is.
+        severity: v1::Severity,
+        /// For people.
+        message: String,
+        /// Of a field.
+        name: String,
+        /// When.
+        moment: Moment,
+        /// Of the state then.
+        topology_epoch: u64,
+    },
+    /// To be published from now on.
+    FieldDefined(String, Arc<Slot<FieldFrame>>),
+    /// No longer.
+    FieldDropped(String),
+}
+
+/// All that the physics hands out.
+pub struct Outbox {
+    /// Of the state.
+    pub state: Stream<Snapshot>,
+    /// Of reports.
+    pub report: Stream<ReportSample>,
+    /// Of fields, in the order of their definition.
+    pub fields: Vec<FieldStream>,
+    field_rate_hz: f64,
+    notices: mpsc::Sender<Notice>,
+}
+
+impl Outbox {
+    /// Streams at the rates of the scene.
+    pub fn new(rates: &sturz_engine::scene::OutputSection, notices: mpsc::Sender<Notice>) -> Self {
+        Self {
+            state: Stream::new(rates.state_rate_hz),
+            report: Stream::new(rates.report_rate_hz),
+            fields: Vec::new(),
+            field_rate_hz: rates.field_rate_hz,
+            notices,
+        }
+    }
+
+    /// Tells the I/O side; never waits. With a thousand unread notices, the next one is lost.
+    pub fn notify(&self, notice: Notice) {
+        if self.notices.try_send(notice).is_err() {
+            tracing::warn!("an event is lost: the bus side is not keeping up");
+        }
+    }
+
+    /// Adds a field, or replaces the one of the same name.
+    pub fn define_field(&mut self, definition: FieldDefinition) {
+        match self.fields.iter_mut().find(|field| field.definition.name == definition.name) {
+            Some(field) => field.definition = definition,
+            None => {
+                let stream = Stream::new(self.field_rate_hz);
+                self.notify(Notice::FieldDefined(definition.name.clone(), stream.slot()));
+                self.fields.push(FieldStream { definition, stream });
+            }
+        }
+    }
+
+    /// Forgets a field; `false` when there is none of that name.
+    pub fn drop_field(&mut self, name: &str) -> bool {
+        let before = self.fields.len();
+        self.fields.retain(|field| field.definition.name != name);
+        let found = self.fields.len() < before;
+        if found {
+            self.notify(Notice::FieldDropped(name.into()));
+        }
+        found
+    }
+
+    /// The definition of that name.
+    pub fn field(&self, name: &str) -> Option<&FieldDefinition> {
+        self.fields.iter().map(|field| &field.definition).find(|definition| definition.name == name)
+    }
+
+    /// When the next frame of an unchanging state is due; `None` when all have it.
+    pub fn next_due(&self, mark: Mark) -> Option<Instant> {
+        let fields = self.fields.iter().filter_map(|field| field.stream.due(mark));
+        fields.chain(self.state.due(mark)).chain(self.report.due(mark)).min()
+    }
+
+    /// Frames of each stream.
+    pub fn counts(&self) -> Vec<v1::StreamCounts> {
+        let fields = self.fields.iter().map(|field| {
+            field.stream.slot.counts(format!("field/{}", field.definition.name))
+        });
+        [self.state.slot.counts("state".into()), self.report.slot.counts("report".into())]
+            .into_iter()
+            .chain(fields)
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MARK: Mark = Mark { step: 1, revision: 0 };
+
+    fn counts<T>(slot: &Slot<T>) -> [u64; 3] {
+        let counts = slot.counts(String::new());
+        [counts.offered, counts.published, counts.dropped]
+    }
+
+    #[tokio::test]
+    async fn the_latest_frame_wins_and_buffers_return() {
+        let slot = Slot::<Vec<u8>>::default();
+        slot.offer(|_| Box::new(vec![1]));
+        slot.offer(|spare| {
+            assert!(spare.is_none());
+            Box::new(vec![2])
+        });
+        let latest = slot.latest().await;
+        assert_eq!(*latest, [2]);
+        slot.published(latest);
+        slot.offer(|spare| {
+            assert_eq!(spare.as_deref(), Some(&vec![2]), "the published buffer comes back");
+            Box::new(vec![3])
+        });
+        assert_eq!(counts(&slot), [3, 1, 1]);
+    }
+
+    #[test]
+    fn a_held_lock_does_not_stop_the_physics() {
+        let slot = Slot::<u8>::default();
+        let held = slot.fresh.lock().unwrap();
+        slot.offer(|_| Box::new(1));
+        drop(held);
+        assert_eq!(counts(&slot), [1, 0, 1]);
+    }
+
+    #[test]
+    fn nothing_is_computed_for_nobody() {
+        let mut stream = Stream::<u8>::new(1e9);
+        stream.offer(Instant::now(), MARK, |_| panic!("nobody listens"));
+        stream.slot.set_wanted(true);
+        stream.offer(Instant::now(), MARK, |_| Box::new(1));
+        assert_eq!(counts(&stream.slot), [1, 0, 0]);
+    }
+
+    #[test]
+    fn an_unchanged_state_is_offered_once_and_again_to_newcomers() {
+        let mut stream = Stream::<u8>::new(1e9);
+        stream.slot.set_wanted(true);
+        let later = Instant::now() + Duration::from_secs(1);
+        for _ in 0..3 {
+            stream.offer(later, MARK, |_| Box::new(1));
+        }
+        assert_eq!(counts(&stream.slot)[0], 1);
+        assert_eq!(stream.due(MARK), None);
+        stream.slot.set_wanted(true);
+        stream.offer(later + Duration::from_secs(1), MARK, |_| Box::new(1));
+        assert_eq!(counts(&stream.slot)[0], 2);
+    }
+
+    #[test]
+    fn the_rate_is_capped_and_zero_means_never_again() {
+        let mut stream = Stream::<u8>::new(1.0);
+        stream.slot.set_wanted(true);
+        let start = Instant::now() + Duration::from_secs(1);
+        for step in 0..100 {
+            let now = start + Duration::from_millis(30) * step;
+            stream.offer(now, Mark { step: u64::from(step), revision: 0 }, |_| Box::new(1));
+        }
+        assert_eq!(counts(&stream.slot)[0], 3, "at 0, 1.02 and 2.04 s");
+        let mut never = Stream::<u8>::new(0.0);
+        never.slot.set_wanted(true);
+        never.offer(start, MARK, |_| Box::new(1));
+        assert!(!never.is_due(start + Duration::from_secs(1 << 40), Mark { step: 2, revision: 0 }));
+    }
+}
