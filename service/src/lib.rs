@@ -1,1 +1,26 @@
-//! x
+//! The daemon that serves a simulation on the bus, and the command line `sturz`.
+//!
+//! Physics runs on one plain thread ([`runner`]) that is reached through a bounded [`mailbox`] and hands out through
+//! an [`outbox`] of latest-wins slots. Everything asynchronous, and everything that speaks zenoh, is in [`daemon`],
+//! [`intake`], [`reply`] and [`publish`].
+
+pub mod advance;
+mod answer;
+pub mod cli;
+pub mod commands;
+pub mod config;
+pub mod daemon;
+mod execute;
+pub mod intake;
+pub mod mailbox;
+pub mod memory;
+pub mod meter;
+pub mod order;
+pub mod outbox;
+pub mod publish;
+pub mod reply;
+pub mod runner;
+pub mod scenes;
+pub mod schedule;
+pub mod stages;
+pub mod ticket;

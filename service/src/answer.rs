@@ -1,0 +1,101 @@
+//! What clients may read, on the physics thread: copied here, encoded on the I/O side.
+
+use std::sync::Arc;
+
+use sturz_engine::Snapshot;
+use sturz_protocol::convert::field_definition_to_wire;
+use sturz_protocol::v1;
+use tokio::sync::oneshot;
+
+use crate::mailbox::{Capture, Read, ReadAnswer, ReportSample, Status};
+use crate::order::{Outputs, error};
+use crate::runner::{Phase, Runner};
+
+impl Runner<'_> {
+    /// Answers a question about the state of now.
+    pub(crate) fn answer(&mut self, question: Read, reply: oneshot::Sender<ReadAnswer>) {
+        let answer = match question {
+            Read::Status => ReadAnswer::Status(Box::new(self.status())),
+            Read::Report => ReadAnswer::Report(Box::new(self.report())),
+            Read::State => ReadAnswer::State(Box::new(self.snapshot())),
+            Read::Field(name) => match self.outbox.field(&name) {
+                Some(definition) => ReadAnswer::Field(Box::new(self.engine.compute_field(definition))),
+                None => {
+                    let text = format!("no field {name:?} is defined");
+                    ReadAnswer::Refused(error(v1::ErrorCode::NotFound, "", text))
+                }
+            },
+        };
+        // A client that has gone no longer wants to know.
+        drop(reply.send(answer));
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot::default();
+        self.engine.snapshot(&mut snapshot);
+        snapshot
+    }
+
+    /// State and fields of now; nothing when nothing was asked for.
+    pub(crate) fn capture(&mut self, outputs: &Outputs) -> Option<Arc<Capture>> {
+        if outputs.columns.is_none() && outputs.fields.is_empty() {
+            return None;
+        }
+        let snapshot = outputs.columns.is_some().then(|| self.snapshot());
+        let mut fields = Vec::with_capacity(outputs.fields.len());
+        for name in &outputs.fields {
+            // One that was dropped during the window is left out.
+            if let Some(definition) = self.outbox.field(name) {
+                fields.push(self.engine.compute_field(definition));
+            }
+        }
+        Some(Arc::new(Capture { outputs: outputs.clone(), snapshot, fields }))
+    }
+
+    fn run_state(&self) -> v1::RunState {
+        match self.phase {
+            _ if self.window.is_some() => v1::RunState::Advancing,
+            Phase::Running => v1::RunState::Running,
+            Phase::Paused => v1::RunState::Paused,
+            Phase::Failed(_) => v1::RunState::Failed,
+            Phase::Ended => v1::RunState::Ended,
+        }
+    }
+
+    fn status(&self) -> Status {
+        let clock = self.engine.clock();
+        let failure = match &self.phase {
+            Phase::Failed(reason) => reason.clone(),
+            _ => String::new(),
+        };
+        Status {
+            state: self.run_state(),
+            failure,
+            step: clock.step(),
+            time_s: clock.time_s(),
+            time_step_s: clock.nominal_time_step_s(),
+            particles: self.engine.len() as u64,
+            topology_epoch: self.engine.topology_epoch(),
+            state_hash: self.engine.state_hash(),
+            gravity_m_per_s2: self.snapshot().gravity_m_per_s2,
+            fields: self.outbox.fields.iter().map(|f| field_definition_to_wire(&f.definition)).collect(),
+        }
+    }
+
+    /// The engine's report and what only the daemon knows.
+    pub(crate) fn report(&mut self) -> ReportSample {
+        let rates = self.meter.rates();
+        ReportSample {
+            engine: self.engine.report(),
+            topology_epoch: self.engine.topology_epoch(),
+            state_hash: self.engine.state_hash(),
+            state: self.run_state(),
+            progress: self.window.as_ref().map(|window| window.progress()),
+            stages: rates.stages,
+            sim_s_per_wall_s: rates.sim_s_per_wall_s,
+            steps_per_wall_s: rates.steps_per_wall_s,
+            streams: self.outbox.counts(),
+            wall_s: self.meter.wall_s(),
+        }
+    }
+}

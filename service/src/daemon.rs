@@ -1,0 +1,239 @@
+//! A simulation on the bus: wiring, start and end.
+
+use std::io::Read as _;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::thread;
+use std::time::Duration;
+
+use anyhow::anyhow;
+use sturz_engine::Engine;
+use sturz_engine::scene::Scene;
+use sturz_protocol::keys::Keys;
+use thiserror::Error;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::{Semaphore, mpsc, oneshot};
+use zenoh::Session;
+
+use crate::config::{Bus, Limits};
+use crate::intake::{self, Io};
+use crate::mailbox::{Inbox, mailbox};
+use crate::memory::RequestMemory;
+use crate::meter::Meter;
+use crate::outbox::Outbox;
+use crate::publish::{self, Notices};
+use crate::reply::Identity;
+use crate::runner::{Phase, Runner, Shared};
+use crate::schedule::Schedule;
+use crate::stages::StageTotals;
+
+/// Notices of the physics that wait for the bus.
+const NOTICES: usize = 1024;
+/// Events that wait for the bus.
+const EVENTS: usize = 256;
+/// How long the last replies may take at the end.
+const LAST_REPLIES: Duration = Duration::from_secs(2);
+/// How long to look for another daemon of the same name.
+const NAME_SEARCH: Duration = Duration::from_millis(500);
+
+/// How to serve.
+pub struct Options {
+    /// Name on the bus.
+    pub instance: String,
+    /// Where on the bus.
+    pub bus: Bus,
+    /// What to refuse.
+    pub limits: Limits,
+    /// Threads of the physics.
+    pub threads: usize,
+    /// Wait for commands at the start.
+    pub paused: bool,
+    /// End when standard input does: with whoever started this process.
+    pub stop_on_stdin_eof: bool,
+}
+
+/// What a launcher must know, once clients can connect.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Ready {
+    /// The first of `endpoints`.
+    pub endpoint: String,
+    /// What the daemon listens on, ports resolved.
+    pub endpoints: Vec<String>,
+    /// Name on the bus.
+    pub instance: String,
+    /// Another one for every start.
+    pub run_id: String,
+    /// Of this process.
+    pub pid: u32,
+}
+
+/// Why there is no service.
+#[derive(Debug, Error)]
+pub enum ServeError {
+    /// The bus does not let us in.
+    #[error("cannot listen on {endpoints:?}: {reason}. Is another daemon there? Choose another --listen, such as `auto`")]
+    Bus {
+        /// Where.
+        endpoints: Vec<String>,
+        /// As zenoh says.
+        reason: String,
+    },
+    /// Two daemons of one name would answer at random.
+    #[error("an instance {instance:?} is alive on this bus: choose another --name")]
+    NameTaken {
+        /// The name.
+        instance: String,
+    },
+    /// Something else.
+    #[error(transparent)]
+    Other(#[from] anyhow::Error),
+}
+
+/// Serves a scene until a signal, a command or the end of standard input.
+pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -> Result<(), ServeError> {
+    let keys = Keys::new(&options.instance).map_err(|error| anyhow!(error))?;
+    let session = open_session(&options.bus).await?;
+    refuse_twin(&session, &keys).await?;
+
+    let run_id: String = session.zid().to_string().chars().take(16).collect();
+    let identity = Identity::new(&options.instance, run_id.clone(), &scene, options.threads, &options.limits);
+    let (letters, inbox) = mailbox(options.limits.queue_length);
+    let (notices, notices_heard) = mpsc::channel(NOTICES);
+    let (events, events_heard) = mpsc::channel(EVENTS);
+    let shared = Arc::new(Shared::default());
+    let outbox = Outbox::new(&scene.description().output, notices);
+    let io = Arc::new(Io {
+        keys: keys.clone(),
+        identity,
+        limits: options.limits.clone(),
+        mailbox: letters.clone(),
+        shared: Arc::clone(&shared),
+        events,
+        open: Arc::new(Semaphore::new(options.limits.open_requests)),
+    });
+
+    let state = publish::stream(&session, Arc::clone(&io), keys.state_frame(), outbox.state.slot()).await?;
+    let report = publish::stream(&session, Arc::clone(&io), keys.report(), outbox.report.slot()).await?;
+    let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard);
+    let stop_on_stdin_eof = options.stop_on_stdin_eof;
+    let mut ended = start_physics(scene, options, inbox, outbox, Arc::clone(&shared))?;
+    let intake = intake::open(&session, Arc::clone(&io)).await?;
+    let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
+    ready(&describe(&session, &keys, run_id).await);
+
+    tokio::select! {
+        _ = &mut ended => {}
+        () = asked_to_end(stop_on_stdin_eof)? => {
+            shared.stop.store(true, Relaxed);
+            letters.wake();
+            drop(ended.await);
+        }
+    }
+    tracing::info!("ending");
+    drop(token.undeclare().await);
+    let all = io.limits.open_requests as u32;
+    drop(tokio::time::timeout(LAST_REPLIES, io.open.acquire_many(all)).await);
+    drop(intake);
+    state.abort();
+    report.abort();
+    drop(io);
+    if tokio::time::timeout(LAST_REPLIES, publishing).await.is_err() {
+        tracing::debug!("the last events were not all sent");
+    }
+    session.close().await.map_err(|error| anyhow!(error))?;
+    Ok(())
+}
+
+async fn open_session(bus: &Bus) -> Result<Session, ServeError> {
+    let config = bus.daemon_config()?;
+    zenoh::open(config)
+        .await
+        .map_err(|error| ServeError::Bus { endpoints: bus.listen.clone(), reason: error.to_string() })
+}
+
+async fn refuse_twin(session: &Session, keys: &Keys) -> Result<(), ServeError> {
+    let replies = session.liveliness().get(keys.alive()).timeout(NAME_SEARCH).await;
+    let replies = replies.map_err(|error| anyhow!(error))?;
+    while let Ok(reply) = replies.recv_async().await {
+        if reply.result().is_ok() {
+            return Err(ServeError::NameTaken { instance: keys.instance().into() });
+        }
+    }
+    Ok(())
+}
+
+async fn describe(session: &Session, keys: &Keys, run_id: String) -> Ready {
+    let endpoints: Vec<String> = session.info().locators().await.iter().map(ToString::to_string).collect();
+    Ready {
+        endpoint: endpoints.first().cloned().unwrap_or_default(),
+        endpoints,
+        instance: keys.instance().into(),
+        run_id,
+        pid: std::process::id(),
+    }
+}
+
+/// Starts the physics on its own thread; the receiver hears when it has ended.
+fn start_physics(
+    scene: Scene,
+    options: Options,
+    inbox: Inbox,
+    mut outbox: Outbox,
+    shared: Arc<Shared>,
+) -> anyhow::Result<oneshot::Receiver<()>> {
+    let (ending, ended) = oneshot::channel();
+    let body = move || {
+        let description = scene.description();
+        description.fields.iter().cloned().for_each(|field| outbox.define_field(field));
+        let stop_time_s = description.stop.time_s;
+        let totals = StageTotals::default();
+        let mut engine = Engine::new(scene);
+        engine.set_threads(options.threads);
+        engine.set_timer(Some(totals.timer()));
+        // All of the loop inside the pool: a hand-over per step costs more than a small step.
+        engine.in_pool(|engine| {
+            let runner = Runner {
+                engine,
+                inbox,
+                outbox,
+                phase: if options.paused { Phase::Paused } else { Phase::Running },
+                window: None,
+                memory: RequestMemory::new(options.limits.remembered_requests),
+                schedule: Schedule::default(),
+                meter: Meter::new(totals),
+                revision: 0,
+                stop_time_s,
+                shared,
+                limits: options.limits,
+            };
+            runner.run();
+        });
+        drop(ending.send(()));
+    };
+    thread::Builder::new().name("physics".into()).spawn(body)?;
+    Ok(ended)
+}
+
+/// Resolves at Ctrl-C, SIGTERM, and the end of standard input when that counts.
+fn asked_to_end(stop_on_stdin_eof: bool) -> anyhow::Result<impl Future<Output = ()>> {
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    let (closed, stdin_closed) = oneshot::channel::<()>();
+    if stop_on_stdin_eof {
+        thread::Builder::new().name("stdin".into()).spawn(move || {
+            let mut ignored = [0; 256];
+            while matches!(std::io::stdin().read(&mut ignored), Ok(1..)) {}
+            drop(closed);
+        })?;
+    } else {
+        // Never resolves: the sender lives as long as the process.
+        std::mem::forget(closed);
+    }
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+            _ = stdin_closed => {}
+        }
+    })
+}

@@ -1,0 +1,277 @@
+//! What each order does, on the physics thread, between two steps.
+
+use sturz_engine::scene::{InsertionDescription, Placement, Region, Scene};
+use sturz_engine::{Command, Effect, InvalidInput};
+use sturz_protocol::keys::Verb;
+use sturz_protocol::v1::{self, outcome::Result as Wire};
+
+use crate::advance::{Window, check_start};
+use crate::mailbox::{Answer, ReplyTo};
+use crate::memory::Admission;
+use crate::order::{Body, Order, Outputs, RequestKey, error, invalid};
+use crate::runner::{Phase, Runner};
+use crate::ticket::{Ticket, effect_to_wire, outcome};
+
+impl Runner<'_> {
+    /// Takes a new order on, or answers a repeated one from memory.
+    pub(crate) fn receive(&mut self, order: Order, reply: ReplyTo) {
+        match self.memory.admit(&order.key, order.fingerprint, reply) {
+            Admission::New(reply) => {
+                let ticket = Ticket::new(order.key.clone(), order.verb, reply);
+                self.begin(order, ticket);
+            }
+            Admission::Waits => {}
+            Admission::Known(outcome, reply) => self.repeat(&order, *outcome, reply),
+            Admission::Reused(reply) => {
+                let text = "this request id was used for another request: every request needs its own";
+                let error = error(v1::ErrorCode::RequestIdReused, "header.request_id", text);
+                self.refuse_unremembered(&order.key, order.verb, error, reply);
+            }
+        }
+    }
+
+    fn refuse_unremembered(&self, key: &RequestKey, verb: Verb, error: v1::Error, reply: ReplyTo) {
+        let outcome = outcome(key, verb, self.moment(), Wire::Error(error));
+        drop(reply.send(Answer { outcome, capture: None }));
+    }
+
+    /// The same outcome again; its data only while the state is still at that step.
+    fn repeat(&mut self, order: &Order, mut outcome: v1::Outcome, reply: ReplyTo) {
+        outcome.repeated = true;
+        let capture = match (&order.body, &outcome.result) {
+            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced)))
+                if advanced.step == self.moment().step =>
+            {
+                self.capture(outputs)
+            }
+            _ => None,
+        };
+        drop(reply.send(Answer { outcome, capture }));
+    }
+
+    fn begin(&mut self, order: Order, ticket: Ticket) {
+        let now_s = self.moment().time_s;
+        match order.at_time_s {
+            Some(time) if time < now_s => {
+                let text = format!("is {time:?} s, but the simulation is at {now_s:?} s already");
+                self.refuse(ticket, error(v1::ErrorCode::WrongTime, "header.at_time_s", text));
+            }
+            Some(time) if time > now_s => {
+                if self.schedule.len() >= self.limits.open_requests {
+                    let text = format!("{} commands wait for their time already", self.schedule.len());
+                    self.refuse(ticket, error(v1::ErrorCode::Busy, "header.at_time_s", text));
+                } else {
+                    self.schedule.add(time, order, ticket);
+                }
+            }
+            Some(_) | None => self.execute(order.body, ticket),
+        }
+    }
+
+    /// Does what the order asks for, and settles it, unless it is work of many steps.
+    pub(crate) fn execute(&mut self, body: Body, ticket: Ticket) {
+        let done = match body {
+            Body::Change(command) => self.change(&command),
+            Body::Pause => self.pause(),
+            Body::Resume => self.resume(),
+            Body::DefineField(definition) => self.define_field(definition),
+            Body::DropField { name } => self.drop_field(&name),
+            Body::Stop => {
+                self.phase = Phase::Ended;
+                Ok(Wire::Applied(v1::Applied {}))
+            }
+            Body::Step { steps } => return self.begin_steps(steps, ticket),
+            Body::Advance { start, window_s, outputs } => {
+                let ready = self.check_ready().and_then(|()| check_start(start, self.moment()));
+                return match ready.and_then(|()| self.check_fields(&outputs)) {
+                    Ok(()) => self.begin_window(window_s, outputs, ticket),
+                    Err(error) => self.refuse(ticket, error),
+                };
+            }
+        };
+        match done {
+            Ok(result) => {
+                let moment = self.moment();
+                ticket.settle(&mut self.memory, moment, result, None);
+            }
+            Err(error) => self.refuse(ticket, error),
+        }
+    }
+
+    fn refuse(&mut self, ticket: Ticket, error: v1::Error) {
+        let moment = self.moment();
+        ticket.settle(&mut self.memory, moment, Wire::Error(error), None);
+    }
+
+    fn change(&mut self, command: &Command) -> Result<Wire, v1::Error> {
+        if let Command::Insert(insertion) = command {
+            self.check_room(insertion)?;
+        }
+        let effect = self.engine.apply(command).map_err(from_engine)?;
+        self.revision += 1;
+        match effect {
+            Effect::Inserted { count, .. } => self.announce_particles(format!("{count} particles were inserted")),
+            Effect::Removed { count } => self.announce_particles(format!("{count} particles were removed")),
+            Effect::GravitySet | Effect::MotionSet => {}
+        }
+        Ok(effect_to_wire(&effect))
+    }
+
+    fn announce_particles(&self, message: String) {
+        self.announce(v1::EventKind::Particles, v1::Severity::Info, &message);
+    }
+
+    /// Refuses an insertion that would exceed the limits, before the engine makes room for it.
+    fn check_room(&self, insertion: &InsertionDescription) -> Result<(), v1::Error> {
+        let count = expected_count(self.engine.scene(), insertion);
+        if count > self.limits.insertion_particles {
+            let text = format!("about {count} particles, at most {} per command", self.limits.insertion_particles);
+            return Err(error(v1::ErrorCode::TooLarge, "placement", text));
+        }
+        let present = self.engine.len() as u64;
+        if present + count > self.limits.particles {
+            let text = format!("{count} more than the {present} present; at most {} are allowed", self.limits.particles);
+            return Err(error(v1::ErrorCode::TooLarge, "placement", text));
+        }
+        Ok(())
+    }
+
+    fn pause(&mut self) -> Result<Wire, v1::Error> {
+        self.finish_window(v1::StopReason::Paused);
+        if self.phase == Phase::Running {
+            self.set_phase(Phase::Paused, "the simulation is paused");
+        }
+        Ok(Wire::Applied(v1::Applied {}))
+    }
+
+    fn resume(&mut self) -> Result<Wire, v1::Error> {
+        self.check_can_step()?;
+        self.set_phase(Phase::Running, "the simulation goes on");
+        Ok(Wire::Applied(v1::Applied {}))
+    }
+
+    /// Refuses where the run has failed or another client's window is under way.
+    fn check_can_step(&self) -> Result<(), v1::Error> {
+        if let Phase::Failed(reason) = &self.phase {
+            return Err(error(v1::ErrorCode::RunFailed, "", reason.clone()));
+        }
+        if let Some(window) = &self.window {
+            let text = format!(
+                "another {} is under way: {} of {} steps are done",
+                window.ticket.verb().name(),
+                window.steps_done,
+                window.steps_total
+            );
+            return Err(error(v1::ErrorCode::WindowInFlight, "", text));
+        }
+        Ok(())
+    }
+
+    fn check_ready(&self) -> Result<(), v1::Error> {
+        self.check_can_step()?;
+        if self.phase == Phase::Running {
+            let text = "the simulation is running: pause it first";
+            return Err(error(v1::ErrorCode::NotPaused, "", text));
+        }
+        Ok(())
+    }
+
+    fn check_fields(&self, outputs: &Outputs) -> Result<(), v1::Error> {
+        match outputs.fields.iter().position(|name| self.outbox.field(name).is_none()) {
+            Some(at) => {
+                let text = format!("no field {:?} is defined", outputs.fields[at]);
+                Err(error(v1::ErrorCode::NotFound, &format!("outputs.fields[{at}]"), text))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn begin_steps(&mut self, steps: u64, ticket: Ticket) {
+        if let Err(error) = self.check_ready() {
+            return self.refuse(ticket, error);
+        }
+        let to_time_s = self.engine.clock().time_after_s(steps);
+        self.set_window(Window { ticket, outputs: None, begun: self.moment(), to_time_s, steps_total: steps, steps_done: 0 });
+    }
+
+    fn begin_window(&mut self, window_s: f64, outputs: Outputs, ticket: Ticket) {
+        let begun = self.moment();
+        match self.engine.begin_window(window_s) {
+            Ok(steps_total) => self.set_window(Window {
+                ticket,
+                outputs: Some(outputs),
+                begun,
+                to_time_s: begun.time_s + window_s,
+                steps_total,
+                steps_done: 0,
+            }),
+            Err(input) => self.refuse(ticket, from_engine(input)),
+        }
+    }
+
+    fn set_window(&mut self, window: Window) {
+        self.window = Some(window);
+        self.revision += 1;
+    }
+
+    fn define_field(&mut self, definition: sturz_engine::fields::FieldDefinition) -> Result<Wire, v1::Error> {
+        self.engine.validate_field(&definition).map_err(from_engine)?;
+        let name = definition.name.clone();
+        if self.outbox.field(&name).is_none() && self.outbox.fields.len() >= self.limits.fields {
+            let text = format!("{} fields are defined, more are not allowed: drop one", self.limits.fields);
+            return Err(error(v1::ErrorCode::TooLarge, "field", text));
+        }
+        self.outbox.define_field(definition);
+        self.revision += 1;
+        self.announce_named(v1::EventKind::Field, v1::Severity::Info, "a field was defined", &name);
+        Ok(Wire::Applied(v1::Applied {}))
+    }
+
+    fn drop_field(&mut self, name: &str) -> Result<Wire, v1::Error> {
+        if !self.outbox.drop_field(name) {
+            return Err(error(v1::ErrorCode::NotFound, "name", format!("no field {name:?} is defined")));
+        }
+        self.revision += 1;
+        self.announce_named(v1::EventKind::Field, v1::Severity::Info, "a field was dropped", name);
+        Ok(Wire::Applied(v1::Applied {}))
+    }
+}
+
+/// The engine's paths begin with the name of its command; those on the wire with a field of the request.
+fn from_engine(mut input: InvalidInput) -> v1::Error {
+    for command in ["insert.", "remove.", "set_gravity.", "set_motion."] {
+        if let Some(path) = input.path.strip_prefix(command) {
+            input.path = path.into();
+        }
+    }
+    if let Some(path) = input.path.strip_prefix("define_field") {
+        input.path = format!("field{path}");
+    }
+    invalid(input)
+}
+
+/// Particles that an insertion will make; about, where it goes by solid fraction.
+fn expected_count(scene: &Scene, insertion: &InsertionDescription) -> u64 {
+    match &insertion.placement {
+        Placement::Poses { positions_m, .. } => positions_m.len() as u64,
+        Placement::Lattice { counts, .. } => {
+            counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul)
+        }
+        Placement::Random { count: Some(count), .. } => u64::from(*count),
+        Placement::Random { region, solid_fraction, .. } => {
+            let names = scene.description().shapes.iter().map(|shape| &shape.name);
+            let shape = names.zip(scene.shapes()).find(|(name, _)| **name == insertion.shape);
+            let volume = shape.map_or(f64::INFINITY, |(_, shape)| shape.mass_properties().volume);
+            let smallest = volume * insertion.scale.min.powi(3);
+            // `as` saturates: what is no number at all is the engine's to refuse
+            (solid_fraction.unwrap_or(0.0) * region_volume(region) / smallest).ceil() as u64
+        }
+    }
+}
+
+fn region_volume(region: &Region) -> f64 {
+    match region {
+        Region::Box { min_m, max_m } => (0..3).map(|axis| max_m[axis] - min_m[axis]).product(),
+        Region::Cylinder { radius_m, length_m, .. } => std::f64::consts::PI * radius_m * radius_m * length_m,
+    }
+}
