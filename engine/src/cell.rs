@@ -67,7 +67,9 @@ impl Cell {
 
     /// Position in the infinite space of images.
     pub fn unwrapped(&self, x: &Vec3, image: [i32; 3]) -> Vec3 {
-        Vec3::from_fn(|axis, _| if self.periodic[axis] { x[axis] + f64::from(image[axis]) * self.extent[axis] } else { x[axis] })
+        Vec3::from_fn(
+            |axis, _| if self.periodic[axis] { x[axis] + f64::from(image[axis]) * self.extent[axis] } else { x[axis] },
+        )
     }
 
     /// Shortest periodic extent.

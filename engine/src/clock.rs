@@ -26,14 +26,7 @@ const WHOLE_STEPS_TOLERANCE: f64 = 1e-9;
 impl Clock {
     /// Step 0 at time 0.
     pub fn new(time_step_s: f64) -> Self {
-        Self {
-            base_time_s: 0.0,
-            base_step: 0,
-            step: 0,
-            time_step_s,
-            nominal_time_step_s: time_step_s,
-            window: None,
-        }
+        Self { base_time_s: 0.0, base_step: 0, step: 0, time_step_s, nominal_time_step_s: time_step_s, window: None }
     }
 
     /// Steps done.

@@ -45,8 +45,8 @@ impl Ledger {
         let last = &self.last;
         self.dissipated_normal += half * (last.power_normal + sums.power_normal);
         // Work of tangential forces that is not in a spring is gone, that of a lost contact's spring included.
-        self.dissipated_friction +=
-            half * (last.power_tangential + sums.power_tangential) - (sums.elastic_tangential - last.elastic_tangential);
+        self.dissipated_friction += half * (last.power_tangential + sums.power_tangential)
+            - (sums.elastic_tangential - last.elastic_tangential);
         self.work_boundaries += half * (last.power_boundaries + sums.power_boundaries);
         self.last = *sums;
     }

@@ -28,7 +28,9 @@ pub struct InvalidScene(pub Vec<InvalidInput>);
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StepError {
     /// A number became infinite or not a number.
-    #[error("particle {id} has a non-finite {quantity} after step {step}: reduce time_step_s, or look for a collision that is too violent for the stiffness")]
+    #[error(
+        "particle {id} has a non-finite {quantity} after step {step}: reduce time_step_s, or look for a collision that is too violent for the stiffness"
+    )]
     NonFinite {
         /// The particle.
         id: u64,

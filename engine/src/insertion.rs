@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::cell::Cell;
 use crate::boundary::{Boundary, WallShape};
+use crate::cell::Cell;
 use crate::error::InvalidInput;
 use crate::math::{Quat, Similarity, Vec3};
 use crate::narrow::{self, Manifold};
@@ -136,7 +136,8 @@ impl<'a> Request<'a> {
         path: &str,
     ) -> Result<Vec<NewParticle>, InvalidInput> {
         if !orientations.is_empty() && orientations.len() != positions.len() {
-            let problem = format!("has {} entries for {} positions; give one each, or none", orientations.len(), positions.len());
+            let problem =
+                format!("has {} entries for {} positions; give one each, or none", orientations.len(), positions.len());
             return Err(InvalidInput::new(format!("{path}.placement.orientations_wxyz"), problem));
         }
         let mut particles = Vec::with_capacity(positions.len());
@@ -144,8 +145,9 @@ impl<'a> Request<'a> {
             let position = finite(position, &format!("{path}.placement.positions_m[{k}]"))?;
             let orientation = match orientations.get(k) {
                 None => Quat::identity(),
-                Some(wxyz) => unit_quaternion(wxyz)
-                    .map_err(|problem| InvalidInput::new(format!("{path}.placement.orientations_wxyz[{k}]"), problem))?,
+                Some(wxyz) => unit_quaternion(wxyz).map_err(|problem| {
+                    InvalidInput::new(format!("{path}.placement.orientations_wxyz[{k}]"), problem)
+                })?,
             };
             particles.push(self.particle(first_id + k as u64, position, orientation));
         }
@@ -186,7 +188,8 @@ impl<'a> Request<'a> {
     }
 
     fn random(&self, surroundings: &Surroundings<'_>, path: &str) -> Result<Vec<NewParticle>, InvalidInput> {
-        let Placement::Random { region, count, solid_fraction, fixed_orientation, attempts } = &self.description.placement
+        let Placement::Random { region, count, solid_fraction, fixed_orientation, attempts } =
+            &self.description.placement
         else {
             unreachable!("called for random placements only")
         };
@@ -224,7 +227,10 @@ impl<'a> Request<'a> {
             particles.push(particle);
             first_of_id += 1;
             if first_of_id > MOST_PARTICLES {
-                return Err(InvalidInput::new(format!("{path}.placement"), format!("asks for more than {MOST_PARTICLES} particles")));
+                return Err(InvalidInput::new(
+                    format!("{path}.placement"),
+                    format!("asks for more than {MOST_PARTICLES} particles"),
+                ));
             }
         }
         Ok(particles)
@@ -268,7 +274,10 @@ fn region_volume(region: &Region, path: &str) -> Result<f64, InvalidInput> {
     if volume.is_finite() && volume > 0.0 {
         Ok(volume)
     } else {
-        Err(InvalidInput::new(format!("{path}.placement.region"), format!("has volume {volume} m3; must be positive and finite")))
+        Err(InvalidInput::new(
+            format!("{path}.placement.region"),
+            format!("has volume {volume} m3; must be positive and finite"),
+        ))
     }
 }
 
@@ -290,9 +299,7 @@ fn draw_point(region: &Region, draw: &mut Draw) -> Vec3 {
 fn is_inside(region: &Region, particle: &NewParticle) -> bool {
     let (x, r) = (particle.position, particle.radius);
     match region {
-        Region::Box { min_m, max_m } => {
-            (0..3).all(|axis| x[axis] - r >= min_m[axis] && x[axis] + r <= max_m[axis])
-        }
+        Region::Box { min_m, max_m } => (0..3).all(|axis| x[axis] - r >= min_m[axis] && x[axis] + r <= max_m[axis]),
         Region::Cylinder { point_m, axis, radius_m, length_m } => {
             let d = x - Vec3::from(*point_m);
             let z = Vec3::from(*axis).normalize();
@@ -346,7 +353,10 @@ impl<'a> Space<'a> {
     fn is_free(&mut self, candidate: &NewParticle) -> bool {
         let mut candidate = *candidate;
         self.cell.wrap(&mut candidate.position);
-        self.surroundings.boundaries.iter().all(|boundary| !touches_boundary(&candidate, boundary, self.surroundings.scene, &mut self.manifold))
+        self.surroundings
+            .boundaries
+            .iter()
+            .all(|boundary| !touches_boundary(&candidate, boundary, self.surroundings.scene, &mut self.manifold))
             && self.is_free_of_particles(&candidate)
     }
 
@@ -372,7 +382,10 @@ impl<'a> Space<'a> {
                         let key = [centre[0] + dx, centre[1] + dy, centre[2] + dz];
                         let Some(list) = self.by_cell.get(&key) else { continue };
                         let scene = self.surroundings.scene;
-                        if list.iter().any(|other| overlaps(candidate, &(other.position - x), other, scene, &mut self.manifold)) {
+                        if list
+                            .iter()
+                            .any(|other| overlaps(candidate, &(other.position - x), other, scene, &mut self.manifold))
+                        {
                             return false;
                         }
                     }

@@ -1,7 +1,9 @@
 //! How good the run is, in numbers: energy balance, overlap, step against its limits, counted troubles.
 
+use serde::Serialize;
+
 /// Energies and works since the start of the run, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EnergyBalance {
     /// Kinetic energy of translation.
     pub kinetic_translation_j: f64,
@@ -24,7 +26,7 @@ pub struct EnergyBalance {
 }
 
 /// Events that do not stop a run, counted since its start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct WarningCounts {
     /// Rotation steps whose implicit equation did not converge to the last bits: reduce the time step.
     pub rotation_not_converged: u64,
@@ -35,7 +37,7 @@ pub struct WarningCounts {
 }
 
 /// Report on the state after the last step.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// Steps done.
     pub step: u64,

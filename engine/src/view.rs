@@ -150,7 +150,8 @@ impl Engine {
         self.in_pool(|engine| {
             let particles = &engine.particles;
             let materials = &engine.scene.description().materials;
-            let density = |row: usize| materials[particles.material[row] as usize].density_kg_per_m3.unwrap_or(f64::NAN);
+            let density =
+                |row: usize| materials[particles.material[row] as usize].density_kg_per_m3.unwrap_or(f64::NAN);
             let samples: Vec<FieldSample> = particles
                 .rows_by_id()
                 .into_iter()

@@ -115,8 +115,12 @@ fn block_sticks_or_slides_on_a_slope() {
 #[test]
 fn ball_rolls_down_a_slope() {
     let (g, theta) = (9.81, 0.5f64);
-    let scene = header([g * theta.sin(), 0.0, -g * theta.cos()], 5e-6, "", "stiffness_n_per_m = 1e6\nrestitution = 0.5\nfriction = 0.5")
-        + &shape(BALL)
+    let scene = header(
+        [g * theta.sin(), 0.0, -g * theta.cos()],
+        5e-6,
+        "",
+        "stiffness_n_per_m = 1e6\nrestitution = 0.5\nfriction = 0.5",
+    ) + &shape(BALL)
         + &plane("floor", [0.0; 3], [0.0, 0.0, 1.0])
         + &particle([0.0, 0.0, 0.01], [0.0; 3], [0.0; 3]);
     let mut engine = engine(&scene);

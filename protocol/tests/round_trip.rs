@@ -4,9 +4,7 @@
 use proptest::prelude::*;
 use prost::Message;
 use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
-use sturz_engine::scene::{
-    AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange,
-};
+use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange};
 use sturz_engine::{InvalidInput, Snapshot};
 use sturz_protocol::convert::{self, FloatType, ParticleColumn};
 use sturz_protocol::{Request, columns, keys::Verb, v1};
@@ -22,9 +20,8 @@ fn vector() -> impl Strategy<Value = [f64; 3]> {
 fn region() -> impl Strategy<Value = Region> {
     prop_oneof![
         (vector(), vector()).prop_map(|(min_m, max_m)| Region::Box { min_m, max_m }),
-        (vector(), vector(), number(), number()).prop_map(|(point_m, axis, radius_m, length_m)| {
-            Region::Cylinder { point_m, axis, radius_m, length_m }
-        }),
+        (vector(), vector(), number(), number())
+            .prop_map(|(point_m, axis, radius_m, length_m)| { Region::Cylinder { point_m, axis, radius_m, length_m } }),
     ]
 }
 
@@ -61,15 +58,13 @@ fn placement() -> impl Strategy<Value = Placement> {
 
 fn insertion() -> impl Strategy<Value = InsertionDescription> {
     (".*", ".*", placement(), vector(), vector(), number(), number()).prop_map(
-        |(shape, material, placement, velocity_m_per_s, angular_velocity_rad_per_s, min, max)| {
-            InsertionDescription {
-                shape,
-                material,
-                placement,
-                velocity_m_per_s,
-                angular_velocity_rad_per_s,
-                scale: ScaleRange { min, max },
-            }
+        |(shape, material, placement, velocity_m_per_s, angular_velocity_rad_per_s, min, max)| InsertionDescription {
+            shape,
+            material,
+            placement,
+            velocity_m_per_s,
+            angular_velocity_rad_per_s,
+            scale: ScaleRange { min, max },
         },
     )
 }
@@ -77,8 +72,7 @@ fn insertion() -> impl Strategy<Value = InsertionDescription> {
 fn motion() -> impl Strategy<Value = MotionDescription> {
     let angular_velocity = prop_oneof![
         number().prop_map(|rad_per_s| AngularVelocity::Constant { rad_per_s }),
-        (number(), number())
-            .prop_map(|(rad_per_s, duration_s)| AngularVelocity::Ramp { rad_per_s, duration_s }),
+        (number(), number()).prop_map(|(rad_per_s, duration_s)| AngularVelocity::Ramp { rad_per_s, duration_s }),
     ];
     prop_oneof![
         Just(MotionDescription::Fixed),
@@ -199,10 +193,7 @@ fn path<T: std::fmt::Debug>(result: Result<T, InvalidInput>) -> String {
 }
 
 fn poses(positions: &[[f64; 3]], orientations: &[[f64; 4]]) -> v1::InsertRequest {
-    let placement = Placement::Poses {
-        positions_m: positions.to_vec(),
-        orientations_wxyz: orientations.to_vec(),
-    };
+    let placement = Placement::Poses { positions_m: positions.to_vec(), orientations_wxyz: orientations.to_vec() };
     convert::insertion_to_wire(&InsertionDescription {
         shape: "a".into(),
         material: "b".into(),

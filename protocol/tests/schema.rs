@@ -29,13 +29,8 @@ fn add_message(scope: &str, message: &DescriptorProto, promises: &mut BTreeMap<(
     let name = format!("{scope}.{}", message.name());
     for field in &message.field {
         let oneof = field.oneof_index.map(|index| message.oneof_decl[index as usize].name());
-        let promise = format!(
-            "{} {:?} {:?} {} {oneof:?}",
-            field.name(),
-            field.r#type(),
-            field.label(),
-            field.type_name()
-        );
+        let promise =
+            format!("{} {:?} {:?} {} {oneof:?}", field.name(), field.r#type(), field.label(), field.type_name());
         promises.insert((name.clone(), field.number()), promise);
     }
     message.nested_type.iter().for_each(|nested| add_message(&name, nested, promises));

@@ -16,9 +16,8 @@ pub struct SceneText {
 impl SceneText {
     /// A scene with a gravity and a line for the time step, such as `time_step_s = 1e-5`.
     pub fn new(gravity_m_per_s2: [f64; 3], time_step: &str) -> Self {
-        let head = format!(
-            "[scene]\nname = \"harness\"\nseed = 1\ngravity_m_per_s2 = {gravity_m_per_s2:?}\n{time_step}\n"
-        );
+        let head =
+            format!("[scene]\nname = \"harness\"\nseed = 1\ngravity_m_per_s2 = {gravity_m_per_s2:?}\n{time_step}\n");
         Self { head, contact: String::new(), rest: String::new() }
     }
 

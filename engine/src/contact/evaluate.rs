@@ -108,13 +108,8 @@ impl<'a> Pair<'a> {
         let relative = velocity_a - velocity_b;
         let approach_speed = relative.dot(&contact.normal);
         let stiffness = contact.weight * self.law.stiffness;
-        let normal = normal_force(
-            stiffness,
-            contact.weight * self.damping,
-            contact.overlap,
-            approach_speed,
-            inputs.contact_end,
-        );
+        let normal =
+            normal_force(stiffness, contact.weight * self.damping, contact.overlap, approach_speed, inputs.contact_end);
         let mut force = contact.normal * -normal.force;
         sums.elastic_normal += 0.5 * stiffness * contact.overlap * contact.overlap;
         sums.power_normal += normal.dissipated_power;

@@ -49,7 +49,8 @@ impl ContactTable {
         }
         for index in 0..self.slots.len() {
             let key = slot_key(self, index, particles);
-            let start = records.partition_point(|record| (record.key.0, record.key.1, record.key.2, record.key.3) < key);
+            let start =
+                records.partition_point(|record| (record.key.0, record.key.1, record.key.2, record.key.3) < key);
             let own = records[start..]
                 .iter()
                 .take_while(|record| (record.key.0, record.key.1, record.key.2, record.key.3) == key);

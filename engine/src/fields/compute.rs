@@ -61,7 +61,10 @@ impl FieldDefinition {
         for axis in 0..3 {
             let (min, max) = (grid.min_m[axis], grid.max_m[axis]);
             if !(min.is_finite() && max.is_finite() && min < max) {
-                return error(&format!("grid.max_m[{axis}]"), format!("is {max} with min_m {min}; needs finite min < max"));
+                return error(
+                    &format!("grid.max_m[{axis}]"),
+                    format!("is {max} with min_m {min}; needs finite min < max"),
+                );
             }
         }
         let cells = grid.cells.iter().map(|&c| u64::from(c)).product::<u64>();
@@ -127,7 +130,11 @@ fn with_images(samples: &[FieldSample], grid: &Grid, cell: &Cell, cutoff: f64) -
                 image.position[axis] += k as f64 * shifts.2;
                 let x = image.position[axis];
                 // Half-open along homogeneous axes, so that a particle on a periodic face counts once.
-                let inside = if grid.is_homogeneous(axis) { x >= low && x < high } else { x >= low - reach && x <= high + reach };
+                let inside = if grid.is_homogeneous(axis) {
+                    x >= low && x < high
+                } else {
+                    x >= low - reach && x <= high + reach
+                };
                 if inside {
                     next.push(image);
                 }
@@ -139,7 +146,12 @@ fn with_images(samples: &[FieldSample], grid: &Grid, cell: &Cell, cutoff: f64) -
 }
 
 /// Samples the definition. `samples` must come in an order that does not depend on rows (ids).
-pub fn compute(definition: &FieldDefinition, samples: &[FieldSample], cell: &Cell, (step, time_s): (u64, f64)) -> FieldFrame {
+pub fn compute(
+    definition: &FieldDefinition,
+    samples: &[FieldSample],
+    cell: &Cell,
+    (step, time_s): (u64, f64),
+) -> FieldFrame {
     let grid = &definition.grid;
     let cutoff = definition.cutoff_widths * definition.width_m;
     let active: Vec<usize> = (0..3).filter(|&axis| !grid.is_homogeneous(axis)).collect();
@@ -225,7 +237,8 @@ impl Slab<'_> {
 }
 
 fn column(quantity: FieldQuantity, sums: &[PointSums], mean: &Vec3) -> FieldColumn {
-    let scalar = |f: &dyn Fn(&PointSums) -> f64| FieldColumn { quantity, components: 1, data: sums.iter().map(f).collect() };
+    let scalar =
+        |f: &dyn Fn(&PointSums) -> f64| FieldColumn { quantity, components: 1, data: sums.iter().map(f).collect() };
     let vector = |f: &dyn Fn(&PointSums) -> Vec3| FieldColumn {
         quantity,
         components: 3,

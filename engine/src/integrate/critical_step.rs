@@ -60,11 +60,7 @@ fn is_stable(omega_dt: f64, zeta: f64) -> bool {
     let (k, c) = (omega_dt * omega_dt, 2.0 * zeta * omega_dt);
     // x' = x + v + a/2; a' = -k x' - c (v + a); v' = v + (a + a')/2
     let row_a = [-k, -k - c, -0.5 * k - c];
-    let m = [
-        [1.0, 1.0, 0.5],
-        [0.5 * row_a[0], 1.0 + 0.5 * row_a[1], 0.5 + 0.5 * row_a[2]],
-        row_a,
-    ];
+    let m = [[1.0, 1.0, 0.5], [0.5 * row_a[0], 1.0 + 0.5 * row_a[1], 0.5 + 0.5 * row_a[2]], row_a];
     let minor = |i: usize, j: usize| m[i][i] * m[j][j] - m[i][j] * m[j][i];
     let c2 = -(m[0][0] + m[1][1] + m[2][2]);
     let c1 = minor(0, 1) + minor(0, 2) + minor(1, 2);

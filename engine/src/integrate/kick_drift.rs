@@ -31,7 +31,19 @@ impl DriftReport {
 pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool]) -> DriftReport {
     let n = particles.n_owned();
     let Particles {
-        position, velocity, orientation, angular_momentum, force, torque, shape, radius, mass, inertia, rotation, motion, ..
+        position,
+        velocity,
+        orientation,
+        angular_momentum,
+        force,
+        torque,
+        shape,
+        radius,
+        mass,
+        inertia,
+        rotation,
+        motion,
+        ..
     } = particles;
     let (force, torque, shape, radius, mass, inertia) = (&*force, &*torque, &*shape, &*radius, &*mass, &*inertia);
     let rows = (
@@ -100,9 +112,6 @@ impl ContactMotion {
     /// Motion of a point at `arm` from the centre: (velocity at the full step, mean velocity over the step).
     #[inline(always)]
     pub fn at(&self, arm: &Vec3) -> (Vec3, Vec3) {
-        (
-            self.velocity + self.angular_velocity.cross(arm),
-            self.mean_velocity + self.mean_angular_velocity.cross(arm),
-        )
+        (self.velocity + self.angular_velocity.cross(arm), self.mean_velocity + self.mean_angular_velocity.cross(arm))
     }
 }

@@ -1,10 +1,12 @@
 //! What `sturz check` tells about a scene before it runs.
 
+use serde::Serialize;
+
 use super::Scene;
 use crate::math::Vec3;
 
 /// Plan, time scales and doubts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneCheck {
     /// What a step does and leaves out.
     pub plan: Vec<String>,
@@ -16,12 +18,18 @@ pub struct SceneCheck {
     pub critical_time_step_s: f64,
     /// Shortest collision, s; infinite where nothing can meet.
     pub contact_duration_s: f64,
+    /// Overlap of the heaviest particle resting on one point, over its bounding radius; `None` without gravity or
+    /// particles.
+    pub resting_overlap_ratio: Option<f64>,
     /// Doubts, one sentence each.
     pub warnings: Vec<String>,
 }
 
 /// Steps per collision below which accuracy suffers (PHYSICS.md D).
 const FEW_STEPS_PER_CONTACT: f64 = 20.0;
+
+/// Overlap at rest over the bounding radius above which shapes count as too soft.
+const LARGE_RESTING_OVERLAP: f64 = 0.05;
 
 /// Contacts on one body add: the step should stay below the critical one by the root of this number.
 const CONTACTS_PER_BODY: f64 = 12.0;
@@ -56,36 +64,46 @@ impl Scene {
                 high / low
             ));
         }
-        self.warn_of_overlap(&mut warnings);
+        let resting = self.resting_overlap_ratio();
+        if let Some(ratio) = resting.filter(|&ratio| ratio > LARGE_RESTING_OVERLAP) {
+            warnings.push(format!(
+                "a particle rests on one point with an overlap of {:.1} % of its bounding radius: raise stiffness_n_per_m",
+                100.0 * ratio
+            ));
+        }
         SceneCheck {
             plan: self.plan().lines.clone(),
             particles: self.particles().len() as u64,
             time_step_s: dt,
             critical_time_step_s: critical,
             contact_duration_s: duration,
+            resting_overlap_ratio: resting,
             warnings,
         }
     }
 
-    /// Overlap of the heaviest particle resting on one point.
-    fn warn_of_overlap(&self, warnings: &mut Vec<String>) {
+    /// Largest overlap of a particle resting on one point, over its bounding radius; over all shapes and materials
+    /// at unit scale while there are no particles.
+    fn resting_overlap_ratio(&self) -> Option<f64> {
         let gravity = Vec3::from(self.description().scene.gravity_m_per_s2).norm();
-        for (k, particle) in self.particles().iter().enumerate() {
-            let softest = self
-                .boundaries()
-                .iter()
-                .filter_map(|b| self.pairs().get(particle.material as usize, b.material as usize))
-                .chain(self.pairs().get(particle.material as usize, particle.material as usize))
+        let softest = |material: usize| {
+            let walls = self.boundaries().iter().map(|boundary| boundary.material as usize);
+            walls
+                .chain([material])
+                .filter_map(|other| self.pairs().get(material, other))
                 .map(|law| law.stiffness)
-                .fold(f64::INFINITY, f64::min);
-            let ratio = particle.mass * gravity / softest / particle.radius;
-            if ratio > 0.05 {
-                warnings.push(format!(
-                    "particle {k} rests on one point with an overlap of {:.1} % of its bounding radius: raise stiffness_n_per_m",
-                    100.0 * ratio
-                ));
-                return;
-            }
-        }
+                .fold(f64::INFINITY, f64::min)
+        };
+        let ratio = |material: usize, mass: f64, radius: f64| mass * gravity / softest(material) / radius;
+        let present = self.particles().iter().map(|p| ratio(p.material as usize, p.mass, p.radius)).reduce(f64::max);
+        let possible = || {
+            let solid = self.description().materials.iter().enumerate();
+            let solid = solid.filter_map(|(m, material)| Some((m, material.density_kg_per_m3?)));
+            solid
+                .flat_map(|(m, density)| self.shapes().iter().map(move |shape| (m, density, shape)))
+                .map(|(m, density, shape)| ratio(m, density * shape.mass_properties().volume, shape.bounding_radius()))
+                .reduce(f64::max)
+        };
+        present.or_else(possible).filter(|&ratio| ratio > 0.0)
     }
 }

@@ -39,7 +39,8 @@ impl Plan {
                 Sharing::PerPoint => "sharing of points: per_point".into(),
                 Sharing::ModelB => "sharing of points: model_b".to_string(),
             },
-            format!("normal law: linear spring and dashpot, contact end {:?}", description.contact.contact_end).to_lowercase(),
+            format!("normal law: linear spring and dashpot, contact end {:?}", description.contact.contact_end)
+                .to_lowercase(),
             if history {
                 "friction: Coulomb with history per contact feature".into()
             } else {

@@ -81,7 +81,9 @@ impl Scene {
             .iter()
             .enumerate()
             .filter_map(|(k, shape)| {
-                Shape::build(&shape.geometry).map_err(|e| problems.add(format!("shape[{k}].geometry"), e.to_string())).ok()
+                Shape::build(&shape.geometry)
+                    .map_err(|e| problems.add(format!("shape[{k}].geometry"), e.to_string()))
+                    .ok()
             })
             .collect();
         let pairs = build_pairs(&description, &mut problems);
@@ -143,7 +145,10 @@ impl Scene {
             (Some(dt), None, _) => dt,
             (None, Some(fraction), Some(bounds)) => fraction * bounds.critical_time_step_s,
             (None, Some(_), None) => {
-                problems.add("scene.time_step_fraction", "needs at least one shape, one material with density and their material_pair; give time_step_s");
+                problems.add(
+                    "scene.time_step_fraction",
+                    "needs at least one shape, one material with density and their material_pair; give time_step_s",
+                );
                 return 0.0;
             }
             _ => {
@@ -222,9 +227,8 @@ impl Scene {
                 *class = Some(particle);
             }
         }
-        let body = |p: &NewParticle| {
-            (p.material as usize, self.body(p.shape as usize, p.mass, p.inertia.min(), p.radius))
-        };
+        let body =
+            |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass, p.inertia.min(), p.radius));
         lightest.into_iter().flatten().map(body).collect()
     }
 
@@ -236,7 +240,11 @@ impl Scene {
         let walls = self.boundaries.iter().map(|boundary| boundary.material as usize);
         for other in particles.chain(walls) {
             if self.pairs.get(material, other).is_none() {
-                let problem = format!("materials '{}' and '{}' may meet but have no [[material_pair]]", name(material), name(other));
+                let problem = format!(
+                    "materials '{}' and '{}' may meet but have no [[material_pair]]",
+                    name(material),
+                    name(other)
+                );
                 return Err(InvalidInput::new(path, problem));
             }
         }
@@ -249,7 +257,8 @@ impl Scene {
             for &b in materials {
                 if self.pairs.get(a, b).is_none() {
                     let name = |m: usize| self.description.materials[m].name.as_str();
-                    let problem = format!("materials '{}' and '{}' may meet but have no [[material_pair]]", name(a), name(b));
+                    let problem =
+                        format!("materials '{}' and '{}' may meet but have no [[material_pair]]", name(a), name(b));
                     return Err(InvalidInput::new(path, problem));
                 }
             }
@@ -273,7 +282,9 @@ impl Scene {
                 WallShape::CylinderInside(_) => (along - 1.0).abs() < 1e-12,
             };
             if !invariant {
-                let problem = format!("is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel");
+                let problem = format!(
+                    "is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel"
+                );
                 return Err(InvalidInput::new(path, problem));
             }
         }
@@ -351,7 +362,9 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
         }
     }
     let output = &description.output;
-    for (key, rate) in [("state", output.state_rate_hz), ("field", output.field_rate_hz), ("report", output.report_rate_hz)] {
+    for (key, rate) in
+        [("state", output.state_rate_hz), ("field", output.field_rate_hz), ("report", output.report_rate_hz)]
+    {
         problems.in_range(&format!("output.{key}_rate_hz"), rate, "in (0, 1000]", rate > 0.0 && rate <= 1000.0);
     }
     if let Some(time) = description.stop.time_s {
@@ -389,8 +402,9 @@ fn build_pairs(description: &SceneDescription, problems: &mut Problems) -> PairT
     let mut table = PairTable::new(description.materials.len());
     for (k, pair) in description.material_pairs.iter().enumerate() {
         let path = format!("material_pair[{k}]");
-        let indices = [0, 1]
-            .map(|side| material_index(description, &pair.materials[side], format!("{path}.materials[{side}]"), problems));
+        let indices = [0, 1].map(|side| {
+            material_index(description, &pair.materials[side], format!("{path}.materials[{side}]"), problems)
+        });
         let law = pair_law(pair, description, &path, problems);
         if let ([Some(a), Some(b)], Some(law)) = (indices, law) {
             if table.get(a, b).is_some() {
@@ -414,7 +428,12 @@ fn pair_law(
     let mu = pair.friction;
     problems.in_range(&format!("{path}.friction"), mu, "finite and at least 0", mu >= 0.0);
     let ratio = pair.tangential_stiffness_ratio;
-    problems.in_range(&format!("{path}.tangential_stiffness_ratio"), ratio, "in [0, 10]", (0.0..=10.0).contains(&ratio));
+    problems.in_range(
+        &format!("{path}.tangential_stiffness_ratio"),
+        ratio,
+        "in [0, 10]",
+        (0.0..=10.0).contains(&ratio),
+    );
     let damping_ratio_t = pair.tangential_damping_ratio.unwrap_or(ratio.max(0.0).sqrt());
     problems.in_range(
         &format!("{path}.tangential_damping_ratio"),
@@ -463,7 +482,12 @@ fn build_boundaries(description: &SceneDescription, problems: &mut Problems) -> 
             BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
                 problems.finite(&format!("{path}.geometry.point_m"), point_m);
                 problems.direction(&format!("{path}.geometry.axis"), axis);
-                problems.in_range(&format!("{path}.geometry.radius_m"), *radius_m, "finite and above 0", *radius_m > 0.0);
+                problems.in_range(
+                    &format!("{path}.geometry.radius_m"),
+                    *radius_m,
+                    "finite and above 0",
+                    *radius_m > 0.0,
+                );
             }
         }
         problems.keep(check_motion(&boundary.motion, &format!("{path}.motion")));
@@ -490,7 +514,12 @@ pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(),
                 AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]),
                 AngularVelocity::Ramp { rad_per_s, duration_s } => {
                     problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]);
-                    problems.in_range(&format!("{inner}.duration_s"), duration_s, "finite and above 0", duration_s > 0.0);
+                    problems.in_range(
+                        &format!("{inner}.duration_s"),
+                        duration_s,
+                        "finite and above 0",
+                        duration_s > 0.0,
+                    );
                 }
             }
         }

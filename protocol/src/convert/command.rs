@@ -2,9 +2,7 @@
 
 use sturz_engine::InvalidInput;
 use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
-use sturz_engine::scene::{
-    AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange,
-};
+use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange};
 
 use super::{finite, need, needed_vector, optional_vector, vec3};
 use crate::columns::{self, Number};
@@ -30,10 +28,7 @@ pub fn insertion_from_wire(request: &v1::InsertRequest) -> Result<InsertionDescr
         material: request.material.clone(),
         placement,
         velocity_m_per_s: optional_vector(&request.velocity_m_per_s, "velocity_m_per_s")?,
-        angular_velocity_rad_per_s: optional_vector(
-            &request.angular_velocity_rad_per_s,
-            "angular_velocity_rad_per_s",
-        )?,
+        angular_velocity_rad_per_s: optional_vector(&request.angular_velocity_rad_per_s, "angular_velocity_rad_per_s")?,
         scale,
     })
 }
@@ -93,9 +88,7 @@ fn random_from_wire(random: &v1::RandomPlacement) -> Result<Placement, InvalidIn
     };
     let (count, solid_fraction) = match need(&random.amount, "placement.random.amount")? {
         Amount::Count(count) => (Some(*count), None),
-        Amount::SolidFraction(fraction) => {
-            (None, Some(finite(*fraction, "placement.random.solid_fraction")?))
-        }
+        Amount::SolidFraction(fraction) => (None, Some(finite(*fraction, "placement.random.solid_fraction")?)),
     };
     Ok(Placement::Random {
         region,
@@ -114,16 +107,14 @@ pub fn insertion_to_wire(insertion: &InsertionDescription) -> v1::InsertRequest 
             positions_m: Some(columns::rows("positions_m", "m", positions_m)),
             orientations_wxyz: Some(columns::rows("orientations_wxyz", "", orientations_wxyz)),
         }),
-        Placement::Lattice { origin_m, spacing_m, counts, random_orientation } => {
-            Wire::Lattice(v1::LatticePlacement {
-                origin_m: Some(vec3(*origin_m)),
-                spacing_m: Some(vec3(*spacing_m)),
-                count_x: counts[0],
-                count_y: counts[1],
-                count_z: counts[2],
-                random_orientation: *random_orientation,
-            })
-        }
+        Placement::Lattice { origin_m, spacing_m, counts, random_orientation } => Wire::Lattice(v1::LatticePlacement {
+            origin_m: Some(vec3(*origin_m)),
+            spacing_m: Some(vec3(*spacing_m)),
+            count_x: counts[0],
+            count_y: counts[1],
+            count_z: counts[2],
+            random_orientation: *random_orientation,
+        }),
         Placement::Random { region, count, solid_fraction, fixed_orientation, attempts } => {
             use v1::random_placement::Amount;
             Wire::Random(v1::RandomPlacement {
@@ -176,10 +167,7 @@ pub fn motion_from_wire(request: &v1::SetMotionRequest) -> Result<MotionDescript
             angular_velocity: angular_velocity_from_wire(rotation)?,
         }),
         Kind::Translation(translation) => Ok(MotionDescription::Translation {
-            velocity_m_per_s: needed_vector(
-                &translation.velocity_m_per_s,
-                "motion.translation.velocity_m_per_s",
-            )?,
+            velocity_m_per_s: needed_vector(&translation.velocity_m_per_s, "motion.translation.velocity_m_per_s")?,
         }),
     }
 }
@@ -205,9 +193,7 @@ pub fn motion_to_wire(motion: &MotionDescription) -> v1::Motion {
         MotionDescription::Fixed => Kind::Fixed(v1::FixedMotion {}),
         MotionDescription::Rotation { point_m, axis, angular_velocity } => {
             let angular_velocity = match *angular_velocity {
-                AngularVelocity::Constant { rad_per_s } => {
-                    Wire::Constant(v1::ConstantAngularVelocity { rad_per_s })
-                }
+                AngularVelocity::Constant { rad_per_s } => Wire::Constant(v1::ConstantAngularVelocity { rad_per_s }),
                 AngularVelocity::Ramp { rad_per_s, duration_s } => {
                     Wire::Ramp(v1::RampAngularVelocity { rad_per_s, duration_s })
                 }

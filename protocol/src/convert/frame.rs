@@ -127,9 +127,7 @@ fn column_to_wire(snapshot: &Snapshot, column: ParticleColumn, float: FloatType)
         ParticleColumn::Positions => float.column("positions", "m", &snapshot.positions),
         ParticleColumn::Orientations => float.column("orientations", "", &snapshot.orientations),
         ParticleColumn::Velocities => float.column("velocities", "m/s", &snapshot.velocities),
-        ParticleColumn::AngularVelocities => {
-            float.column("angular_velocities", "rad/s", &snapshot.angular_velocities)
-        }
+        ParticleColumn::AngularVelocities => float.column("angular_velocities", "rad/s", &snapshot.angular_velocities),
     }
 }
 

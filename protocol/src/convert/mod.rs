@@ -10,8 +10,8 @@ mod shapes;
 mod status;
 
 pub use command::{
-    Start, advance_start, field_definition_from_wire, field_definition_to_wire, gravity_from_wire,
-    insertion_from_wire, insertion_to_wire, motion_from_wire, motion_to_wire,
+    Start, advance_start, field_definition_from_wire, field_definition_to_wire, gravity_from_wire, insertion_from_wire,
+    insertion_to_wire, motion_from_wire, motion_to_wire,
 };
 pub use frame::{COLUMN_NAMES, FloatType, ParticleColumn, field_to_wire, frame_to_wire, quantity_name};
 pub use shapes::shape_to_wire;
@@ -27,11 +27,7 @@ fn need<'a, T>(value: &'a Option<T>, path: &str) -> Result<&'a T, InvalidInput> 
 }
 
 fn finite(value: f64, path: &str) -> Result<f64, InvalidInput> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(InvalidInput::new(path, format!("is {value}, must be finite")))
-    }
+    if value.is_finite() { Ok(value) } else { Err(InvalidInput::new(path, format!("is {value}, must be finite"))) }
 }
 
 fn vector(value: &v1::Vec3, path: &str) -> Result<[f64; 3], InvalidInput> {

@@ -40,12 +40,9 @@ fn parameters(description: &ShapeDescription) -> Vec<(&'static str, f64)> {
         }
         D::Cube { edge_m } | D::Tetrahedron { edge_m } | D::Octahedron { edge_m } => vec![("edge_m", edge_m)],
         D::Box { size_m: [x, y, z] } => vec![("size_x_m", x), ("size_y_m", y), ("size_z_m", z)],
-        D::Pinacoid { length_m, width_m, height_m, alpha_deg } => vec![
-            ("length_m", length_m),
-            ("width_m", width_m),
-            ("height_m", height_m),
-            ("alpha_deg", alpha_deg),
-        ],
+        D::Pinacoid { length_m, width_m, height_m, alpha_deg } => {
+            vec![("length_m", length_m), ("width_m", width_m), ("height_m", height_m), ("alpha_deg", alpha_deg)]
+        }
         D::Cross2d { beam_length_m, beam_width_m } | D::Cross3d { beam_length_m, beam_width_m } => {
             vec![("beam_length_m", beam_length_m), ("beam_width_m", beam_width_m)]
         }

@@ -61,10 +61,9 @@ fn warnings_to_wire(warnings: WarningCounts) -> v1::WarningCounts {
 pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
     use v1::boundary_info::Geometry;
     let geometry = match &boundary.geometry {
-        BoundaryGeometry::Plane { point_m, normal } => Geometry::Plane(v1::PlaneGeometry {
-            point_m: Some(vec3(*point_m)),
-            normal: Some(vec3(*normal)),
-        }),
+        BoundaryGeometry::Plane { point_m, normal } => {
+            Geometry::Plane(v1::PlaneGeometry { point_m: Some(vec3(*point_m)), normal: Some(vec3(*normal)) })
+        }
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
             Geometry::CylinderInside(v1::CylinderInsideGeometry {
                 point_m: Some(vec3(*point_m)),
@@ -73,21 +72,11 @@ pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
             })
         }
     };
-    v1::BoundaryInfo {
-        name: boundary.name.clone(),
-        material: boundary.material.clone(),
-        geometry: Some(geometry),
-    }
+    v1::BoundaryInfo { name: boundary.name.clone(), material: boundary.material.clone(), geometry: Some(geometry) }
 }
 
 /// Extent and periodic axes.
 pub fn domain_to_wire(domain: &DomainSection) -> v1::Domain {
     let [periodic_x, periodic_y, periodic_z] = domain.periodic;
-    v1::Domain {
-        min_m: Some(vec3(domain.min_m)),
-        max_m: Some(vec3(domain.max_m)),
-        periodic_x,
-        periodic_y,
-        periodic_z,
-    }
+    v1::Domain { min_m: Some(vec3(domain.min_m)), max_m: Some(vec3(domain.max_m)), periodic_x, periodic_y, periodic_z }
 }

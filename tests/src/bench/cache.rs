@@ -82,7 +82,8 @@ pub fn store(workload: &Workload, bed: &Bed) -> anyhow::Result<()> {
     fs::create_dir_all(folder()).with_context(|| format!("cannot make {}", folder().display()))?;
     // Renamed when whole: a second program may be reading.
     let partial = path.with_extension(format!("{}.partial", std::process::id()));
-    fs::write(&partial, bed.to_text(&title(workload))).with_context(|| format!("cannot write {}", partial.display()))?;
+    fs::write(&partial, bed.to_text(&title(workload)))
+        .with_context(|| format!("cannot write {}", partial.display()))?;
     fs::rename(&partial, &path).with_context(|| format!("cannot write {}", path.display()))
 }
 

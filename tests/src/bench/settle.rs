@@ -20,8 +20,7 @@ pub fn settled(workload: &Workload, threads: usize, say: &mut dyn FnMut(String))
     if let Some(bed) = cache::load(workload) {
         return Ok(bed);
     }
-    let soft =
-        Softness { stiffness: SOFT, step_fraction: Some(0.2), restitution: Some(workload.restitution.min(0.3)) };
+    let soft = Softness { stiffness: SOFT, step_fraction: Some(0.2), restitution: Some(workload.restitution.min(0.3)) };
     let mut engine = workload.loose(soft).start()?;
     engine.set_threads(threads);
     let mut tell = |stage: &str, engine: &Engine| {

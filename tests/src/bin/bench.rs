@@ -65,8 +65,18 @@ fn main() -> anyhow::Result<()> {
 fn print_head() {
     println!(
         "{:13} {:>3} {:>9} {:>7} {:>7} {:>11} {:>17} {:>8} {:>8} {:>8} {:>9} {:>8}",
-        "workload", "thr", "particles", "pairs", "points", "ps/s", "slowest..fastest", "us/pair", "rebuilds", "overlap",
-        "E_kin/mgd", "RSS MiB"
+        "workload",
+        "thr",
+        "particles",
+        "pairs",
+        "points",
+        "ps/s",
+        "slowest..fastest",
+        "us/pair",
+        "rebuilds",
+        "overlap",
+        "E_kin/mgd",
+        "RSS MiB"
     );
 }
 

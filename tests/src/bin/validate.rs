@@ -28,7 +28,9 @@ fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
     let cases = chosen(&arguments.ids)?;
     if arguments.list {
-        cases.iter().for_each(|case| println!("{:6} {}{}", case.id, case.title, if case.fast { "" } else { " (slow)" }));
+        cases
+            .iter()
+            .for_each(|case| println!("{:6} {}{}", case.id, case.title, if case.fast { "" } else { " (slow)" }));
         return Ok(ExitCode::SUCCESS);
     }
     let mut rows = Vec::new();

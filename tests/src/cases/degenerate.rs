@@ -4,9 +4,7 @@ use super::{Case, Checks};
 use crate::scene::{SceneText, snapshot};
 
 pub fn cases() -> Vec<Case> {
-    vec![
-        Case::fast("S6", "exact face-face, parallel edges, vertex-vertex, coincident centres", degenerate_poses),
-    ]
+    vec![Case::fast("S6", "exact face-face, parallel edges, vertex-vertex, coincident centres", degenerate_poses)]
 }
 
 fn base(gravity_z: f64) -> SceneText {
@@ -65,7 +63,13 @@ fn stack(checks: &mut Checks, name: &str, upper: [f64; 4], offset: [f64; 2], poi
 }
 
 /// Two particles one above the other, overlapping by 1 % of 0.2 m: they must part along z, alike on every run.
-fn pressed(checks: &mut Checks, name: &str, shape: &str, orientations: [[f64; 4]; 2], touching: f64) -> anyhow::Result<()> {
+fn pressed(
+    checks: &mut Checks,
+    name: &str,
+    shape: &str,
+    orientations: [[f64; 4]; 2],
+    touching: f64,
+) -> anyhow::Result<()> {
     let scene = base(0.0).poses(shape, &[[0.0; 3], [0.0, 0.0, touching - 0.002]], &orientations);
     let mut hashes = Vec::new();
     for _ in 0..2 {
@@ -88,7 +92,9 @@ fn pressed(checks: &mut Checks, name: &str, shape: &str, orientations: [[f64; 4]
 
 /// Coincident centres and identical poses: they part, or the run ends with an error; never NaN.
 fn coincident(checks: &mut Checks) -> anyhow::Result<()> {
-    for (name, orientation) in [("identical pose", [1.0, 0.0, 0.0, 0.0]), ("coincident centres, turned", turned(2, 0.3))] {
+    for (name, orientation) in
+        [("identical pose", [1.0, 0.0, 0.0, 0.0]), ("coincident centres, turned", turned(2, 0.3))]
+    {
         for shape in ["s", "octahedron"] {
             let scene = base(0.0).poses(shape, &[[0.0; 3]; 2], &[[1.0, 0.0, 0.0, 0.0], orientation]);
             // Starting is not asked to succeed, only to say why not.
@@ -100,7 +106,10 @@ fn coincident(checks: &mut Checks) -> anyhow::Result<()> {
             let state = snapshot(&engine);
             let finite = state.positions.iter().flatten().all(|x| x.is_finite());
             let gap: f64 = (0..3).map(|k| (state.positions[1][k] - state.positions[0][k]).powi(2)).sum::<f64>().sqrt();
-            checks.holds(format!("{name}, {shape}: apart ({gap:.2} m) or an error, no NaN"), finite && (outcome.is_err() || gap > 0.15));
+            checks.holds(
+                format!("{name}, {shape}: apart ({gap:.2} m) or an error, no NaN"),
+                finite && (outcome.is_err() || gap > 0.15),
+            );
         }
     }
     Ok(())

@@ -75,7 +75,9 @@ fn oblique(checks: &mut Checks) -> anyhow::Result<()> {
         Ok((3.9 * cosine, Rebound { normal, tangential, spin: state.angular_velocities[0][1] }))
     };
     let mut rows = Vec::new();
-    for (degrees, digits) in [(35.0, (0.7398, 581.95)), (40.0, (0.7829, 544.22)), (60.0, (0.8948, 355.22)), (80.0, (0.9679, 123.36))] {
+    for (degrees, digits) in
+        [(35.0, (0.7398, 581.95)), (40.0, (0.7829, 544.22)), (60.0, (0.8948, 355.22)), (80.0, (0.9679, 123.36))]
+    {
         let (v_n, rebound) = hit(degrees, "restitution = 0.98")?;
         rows.push((degrees, digits, v_n, rebound));
     }
@@ -91,7 +93,13 @@ fn oblique(checks: &mut Checks) -> anyhow::Result<()> {
         let measured = rebound.tangential / (v_n * tangent);
         checks.close(format!("{degrees} deg: e_n"), e, 0.98, 1e-3, "-");
         checks.close(format!("{degrees} deg: e_t, identity"), measured, 1.0 - mu * (1.0 + e) / tangent, 1e-6, "-");
-        checks.close(format!("{degrees} deg: omega, identity"), rebound.spin, 2.5 * mu * (1.0 + e) * v_n / ball.radius, 1e-6, "rad/s");
+        checks.close(
+            format!("{degrees} deg: omega, identity"),
+            rebound.spin,
+            2.5 * mu * (1.0 + e) * v_n / ball.radius,
+            1e-6,
+            "rad/s",
+        );
         checks.close(format!("{degrees} deg: e_t, table"), measured, e_t, 5e-3, "-");
         checks.close(format!("{degrees} deg: omega, table"), rebound.spin, spin, 5e-3, "rad/s");
     }
@@ -156,9 +164,30 @@ fn laws() -> [Law; 4] {
     let clipped = (-(zeta / s) * (2.0 * zeta * s).atan2(2.0 * zeta * zeta - 1.0)).exp();
     [
         Law { name: "elastic", zeta: 0.0, end: "tension", exact: 1.0, duration: PI, reference: (1.2e-4, 5e-6, 3.0) },
-        Law { name: "e 0.85, tension", zeta, end: "tension", exact: 0.85, duration: PI / s, reference: (2.2e-3, 5e-5, 2.0) },
-        Law { name: "e 0.85, clip", zeta, end: "clip", exact: clipped, duration: PI / s, reference: (4.4e-3, 5e-5, 1.0) },
-        Law { name: "critical, clip", zeta: 1.0, end: "clip", exact: (-2f64).exp(), duration: 2.0, reference: (6.8e-3, 5e-5, 1.0) },
+        Law {
+            name: "e 0.85, tension",
+            zeta,
+            end: "tension",
+            exact: 0.85,
+            duration: PI / s,
+            reference: (2.2e-3, 5e-5, 2.0),
+        },
+        Law {
+            name: "e 0.85, clip",
+            zeta,
+            end: "clip",
+            exact: clipped,
+            duration: PI / s,
+            reference: (4.4e-3, 5e-5, 1.0),
+        },
+        Law {
+            name: "critical, clip",
+            zeta: 1.0,
+            end: "clip",
+            exact: (-2f64).exp(),
+            duration: 2.0,
+            reference: (6.8e-3, 5e-5, 1.0),
+        },
     ]
 }
 

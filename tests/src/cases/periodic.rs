@@ -16,12 +16,18 @@ fn scene(periodic: bool, geometry: &str) -> SceneText {
 
 /// S14, all parts.
 fn periodic_cell(checks: &mut Checks) -> anyhow::Result<()> {
-    for geometry in ["kind = \"sphere\", radius_m = 0.1", "kind = \"cube\", edge_m = 0.2", "kind = \"cross_3d\", beam_length_m = 0.3, beam_width_m = 0.06"] {
+    for geometry in [
+        "kind = \"sphere\", radius_m = 0.1",
+        "kind = \"cube\", edge_m = 0.2",
+        "kind = \"cross_3d\", beam_length_m = 0.3, beam_width_m = 0.06",
+    ] {
         across_a_corner(checks, geometry)?;
     }
     wrap_every_step(checks)?;
     for (radius, accepted) in [(0.3, true), (0.6, false), (1.1, false)] {
-        let outcome = scene(true, &format!("kind = \"sphere\", radius_m = {radius:?}")).particle([1.0; 3], [0.0; 3], [0.0; 3]).validate();
+        let outcome = scene(true, &format!("kind = \"sphere\", radius_m = {radius:?}"))
+            .particle([1.0; 3], [0.0; 3], [0.0; 3])
+            .validate();
         let text = outcome.as_ref().err().map_or("accepted".to_owned(), ToString::to_string);
         checks.holds(format!("radius {radius} in a cell of 2 ({text})"), outcome.is_ok() == accepted);
     }
@@ -63,7 +69,9 @@ fn across_a_corner(checks: &mut Checks, geometry: &str) -> anyhow::Result<()> {
 
 /// 1.7 m per step in a cell of 2 m: the place is the one of a free particle, modulo the cell.
 fn wrap_every_step(checks: &mut Checks) -> anyhow::Result<()> {
-    let mut engine = scene(true, "kind = \"sphere\", radius_m = 0.1").particle([0.3, 1.0, 1.0], [1.7e5, 0.0, 0.0], [0.0; 3]).start()?;
+    let mut engine = scene(true, "kind = \"sphere\", radius_m = 0.1")
+        .particle([0.3, 1.0, 1.0], [1.7e5, 0.0, 0.0], [0.0; 3])
+        .start()?;
     checks.steps(&mut engine, 1000)?;
     let state = snapshot(&engine);
     let apart = (state.positions[0][0] - 0.3 - 1700.0).rem_euclid(2.0);

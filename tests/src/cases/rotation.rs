@@ -108,7 +108,12 @@ fn plate_inertia() -> anyhow::Result<[f64; 3]> {
 /// functions). The plate differs from that body by 1e-6 / 24 in I, which the reference of its own inertia measures.
 fn euler_top(checks: &mut Checks) -> anyhow::Result<()> {
     let exact = [-0.105321007988, -0.994438779049, 0.060812593881];
-    checks.vanishes("reference integration at I = (1, 2, 3)", distance(reference([1.0, 2.0, 3.0]).angular_velocity, exact), 1e-11, "rad/s");
+    checks.vanishes(
+        "reference integration at I = (1, 2, 3)",
+        distance(reference([1.0, 2.0, 3.0]).angular_velocity, exact),
+        1e-11,
+        "rad/s",
+    );
     let own = reference(plate_inertia()?);
     let shift = distance(own.angular_velocity, exact);
     checks.vanishes("shift by the thickness of the plate", shift, 2e-6, "rad/s");

@@ -108,7 +108,13 @@ fn spherocylinders(checks: &mut Checks) -> anyhow::Result<()> {
         checks.close(format!("V at zeta {zeta}, closed form"), properties.volume, tube + caps, 1e-10, "m3");
         let relative = properties.principal_inertia.y / (properties.volume * l * l);
         checks.near(format!("I_perp / (m l^2) at zeta {zeta}"), relative, inertia, 5e-7, "-");
-        checks.close(format!("I_perp at zeta {zeta}, closed form"), properties.principal_inertia.z, across, 1e-10, "m5");
+        checks.close(
+            format!("I_perp at zeta {zeta}, closed form"),
+            properties.principal_inertia.z,
+            across,
+            1e-10,
+            "m5",
+        );
         checks.close(format!("I_axis at zeta {zeta}, closed form"), properties.principal_inertia.x, along, 1e-10, "m5");
     }
     Ok(())
@@ -170,13 +176,19 @@ fn overlapping_spheres(checks: &mut Checks) -> anyhow::Result<()> {
     checks.close("V", properties.volume, volume, stated, "m3");
     let mut inertia: [f64; 3] = properties.principal_inertia.into();
     inertia.sort_by(f64::total_cmp);
-    for (value, (name, exact)) in inertia.into_iter().zip([("I_axis", along), ("I_perp", across), ("I_perp'", across)]) {
+    for (value, (name, exact)) in inertia.into_iter().zip([("I_axis", along), ("I_perp", across), ("I_perp'", across)])
+    {
         checks.close(name, value, exact, stated, "m5");
     }
     Ok(())
 }
 
-fn refused(checks: &mut Checks, metric: &str, vertices: &[[f64; 3]], expected: fn(&ShapeError) -> bool) -> anyhow::Result<()> {
+fn refused(
+    checks: &mut Checks,
+    metric: &str,
+    vertices: &[[f64; 3]],
+    expected: fn(&ShapeError) -> bool,
+) -> anyhow::Result<()> {
     let outcome = build(json!({ "kind": "convex_polyhedron", "vertices_m": vertices }))?;
     let said = outcome.as_ref().err().map_or("accepted".to_owned(), ToString::to_string);
     checks.holds(format!("{metric} is refused ({said})"), outcome.is_err_and(|error| expected(&error)));
@@ -195,7 +207,9 @@ fn hulls(checks: &mut Checks) -> anyhow::Result<()> {
     let coplanar: Vec<_> = (0..9).map(plane).collect();
     refused(checks, "a plane", &coplanar, |e| matches!(e, ShapeError::Coplanar { .. }))?;
     let flat = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 6e-30]];
-    refused(checks, "a volume of 1e-30", &flat, |e| matches!(e, ShapeError::Coplanar { .. } | ShapeError::Volume { .. }))?;
+    refused(checks, "a volume of 1e-30", &flat, |e| {
+        matches!(e, ShapeError::Coplanar { .. } | ShapeError::Volume { .. })
+    })?;
     refused(checks, "a NaN", &[[f64::INFINITY; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], |e| {
         matches!(e, ShapeError::NotFinite { .. })
     })
@@ -247,7 +261,10 @@ fn vanishing_ridge(checks: &mut Checks) -> anyhow::Result<()> {
             Ok(_) => accepted,
             Err(error) => !accepted && matches!(error, ShapeError::RidgeVanishes { path, .. } if path == "height_m"),
         };
-        checks.holds(format!("H = {:.2} L tan(alpha) is {}", height / limit, if accepted { "built" } else { "refused" }), as_expected);
+        checks.holds(
+            format!("H = {:.2} L tan(alpha) is {}", height / limit, if accepted { "built" } else { "refused" }),
+            as_expected,
+        );
     }
     Ok(())
 }

@@ -26,7 +26,11 @@ fn stability_limit(checks: &mut Checks) -> anyhow::Result<()> {
         // Particles among each other are soft: only the wall contact limits the step.
         SceneText::new([0.0, 0.0, -g], &format!("time_step_s = {:?}", product / omega))
             .contact("contact_end = \"tension\"")
-            .materials_apart(2500.0, "stiffness_n_per_m = 1.0\nrestitution = 1.0", "stiffness_n_per_m = 1e8\nrestitution = 1.0")
+            .materials_apart(
+                2500.0,
+                "stiffness_n_per_m = 1.0\nrestitution = 1.0",
+                "stiffness_n_per_m = 1e8\nrestitution = 1.0",
+            )
             .shape("kind = \"sphere\", radius_m = 1.0")
             .floor()
             .particle([0.0, 0.0, 1.0 - rest * 1.001], [0.0; 3], [0.0; 3])
@@ -39,7 +43,13 @@ fn stability_limit(checks: &mut Checks) -> anyhow::Result<()> {
             amplitude = amplitude.max((1.0 - snapshot(&engine).positions[0][2] - rest).abs());
         }
         let bound = 1.0 / (1.0 - 0.25 * product * product).sqrt();
-        checks.near(format!("omega dt = {product}: amplitude over the first"), amplitude / (1e-3 * rest), 0.5 * (1.0 + bound), 0.5 * (bound - 1.0) + 1e-3, "-");
+        checks.near(
+            format!("omega dt = {product}: amplitude over the first"),
+            amplitude / (1e-3 * rest),
+            0.5 * (1.0 + bound),
+            0.5 * (bound - 1.0) + 1e-3,
+            "-",
+        );
     }
     for product in [2.01, 2.1] {
         let text = scene(product).validate().err().map_or(String::new(), |error| error.to_string());
@@ -118,7 +128,13 @@ fn infinite_friction(checks: &mut Checks) -> anyhow::Result<()> {
         .particle([0.0, 0.0, 0.01 - overlap], [0.1, 0.0, 0.0], [0.0; 3])
         .start()?;
     checks.steps(&mut engine, 100_000)?;
-    checks.close("mu = 1e12: rolling speed over the initial", snapshot(&engine).velocities[0][0] / 0.1, 5.0 / 7.0, 1e-3, "-");
+    checks.close(
+        "mu = 1e12: rolling speed over the initial",
+        snapshot(&engine).velocities[0][0] / 0.1,
+        5.0 / 7.0,
+        1e-3,
+        "-",
+    );
     Ok(())
 }
 
@@ -190,7 +206,13 @@ fn many_contacts(checks: &mut Checks) -> anyhow::Result<()> {
     let mut hashes = Vec::new();
     for threads in [1, 2, 4] {
         let mut engine = urchin(threads)?;
-        checks.near(format!("touching pairs, {threads} threads"), engine.report().touching_pairs as f64, 1500.0, 0.0, "-");
+        checks.near(
+            format!("touching pairs, {threads} threads"),
+            engine.report().touching_pairs as f64,
+            1500.0,
+            0.0,
+            "-",
+        );
         checks.steps(&mut engine, 200)?;
         hashes.push(engine.state_hash());
         if threads == 1 {
@@ -219,14 +241,22 @@ fn works(checks: &mut Checks, name: &str, engine: &mut Engine) -> anyhow::Result
     checks.steps(engine, 200)?;
     let report = engine.report();
     let energy = report.energy;
-    let finite = energy.residual_j.is_finite() && report.largest_overlap_ratio.is_finite() && report.momentum_kg_m_per_s.iter().all(|p| p.is_finite());
+    let finite = energy.residual_j.is_finite()
+        && report.largest_overlap_ratio.is_finite()
+        && report.momentum_kg_m_per_s.iter().all(|p| p.is_finite());
     checks.holds(format!("{name}: the report is finite"), finite);
     let frame = engine.compute_field(&every_field());
     let numbers: Vec<f64> = frame.columns.iter().flat_map(|column| column.data.iter().copied()).collect();
     checks.holds(format!("{name}: fields are finite"), numbers.iter().all(|x| x.is_finite()));
     if engine.is_empty() {
         checks.holds(format!("{name}: fields are 0"), numbers.iter().all(|&x| x == 0.0));
-        checks.near(format!("{name}: kinetic energy"), energy.kinetic_translation_j + energy.kinetic_rotation_j, 0.0, 0.0, "J");
+        checks.near(
+            format!("{name}: kinetic energy"),
+            energy.kinetic_translation_j + energy.kinetic_rotation_j,
+            0.0,
+            0.0,
+            "J",
+        );
     }
     Ok(())
 }
