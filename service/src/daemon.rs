@@ -71,7 +71,9 @@ pub struct Ready {
 #[derive(Debug, Error)]
 pub enum ServeError {
     /// The bus does not let us in.
-    #[error("cannot listen on {endpoints:?}: {reason}. Is another daemon there? Choose another --listen, such as `auto`")]
+    #[error(
+        "cannot listen on {endpoints:?}: {reason}. Is another daemon there? Choose another --listen, such as `auto`"
+    )]
     Bus {
         /// Where.
         endpoints: Vec<String>,
@@ -208,7 +210,8 @@ fn start_physics(
             };
             runner.run();
         });
-        drop(ending.send(()));
+        // Nobody may be waiting any more.
+        let _ = ending.send(());
     };
     thread::Builder::new().name("physics".into()).spawn(body)?;
     Ok(ended)

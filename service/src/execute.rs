@@ -39,9 +39,7 @@ impl Runner<'_> {
     fn repeat(&mut self, order: &Order, mut outcome: v1::Outcome, reply: ReplyTo) {
         outcome.repeated = true;
         let capture = match (&order.body, &outcome.result) {
-            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced)))
-                if advanced.step == self.moment().step =>
-            {
+            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced))) if advanced.step == self.moment().step => {
                 self.capture(outputs)
             }
             _ => None,
@@ -130,7 +128,8 @@ impl Runner<'_> {
         }
         let present = self.engine.len() as u64;
         if present + count > self.limits.particles {
-            let text = format!("{count} more than the {present} present; at most {} are allowed", self.limits.particles);
+            let text =
+                format!("{count} more than the {present} present; at most {} are allowed", self.limits.particles);
             return Err(error(v1::ErrorCode::TooLarge, "placement", text));
         }
         Ok(())
@@ -191,7 +190,14 @@ impl Runner<'_> {
             return self.refuse(ticket, error);
         }
         let to_time_s = self.engine.clock().time_after_s(steps);
-        self.set_window(Window { ticket, outputs: None, begun: self.moment(), to_time_s, steps_total: steps, steps_done: 0 });
+        self.set_window(Window {
+            ticket,
+            outputs: None,
+            begun: self.moment(),
+            to_time_s,
+            steps_total: steps,
+            steps_done: 0,
+        });
     }
 
     fn begin_window(&mut self, window_s: f64, outputs: Outputs, ticket: Ticket) {
@@ -254,9 +260,7 @@ fn from_engine(mut input: InvalidInput) -> v1::Error {
 fn expected_count(scene: &Scene, insertion: &InsertionDescription) -> u64 {
     match &insertion.placement {
         Placement::Poses { positions_m, .. } => positions_m.len() as u64,
-        Placement::Lattice { counts, .. } => {
-            counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul)
-        }
+        Placement::Lattice { counts, .. } => counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul),
         Placement::Random { count: Some(count), .. } => u64::from(*count),
         Placement::Random { region, solid_fraction, .. } => {
             let names = scene.description().shapes.iter().map(|shape| &shape.name);

@@ -258,9 +258,7 @@ impl Io {
         match answer {
             ReadAnswer::Status(status) => Ok(self.identity.info(&status).encode_to_vec()),
             ReadAnswer::Report(sample) => Ok(self.identity.report(&sample, 0).encode_to_vec()),
-            ReadAnswer::Field(field) => {
-                Ok(field_to_wire(&field, self.identity.blank_header(0, 0)).encode_to_vec())
-            }
+            ReadAnswer::Field(field) => Ok(field_to_wire(&field, self.identity.blank_header(0, 0)).encode_to_vec()),
             ReadAnswer::State(snapshot) => {
                 let parameters = raw.query.as_ref().map(Query::parameters);
                 let parameter = |name: &str| parameters.and_then(|all| all.get(name));

@@ -256,9 +256,8 @@ impl Outbox {
 
     /// Frames of each stream.
     pub fn counts(&self) -> Vec<v1::StreamCounts> {
-        let fields = self.fields.iter().map(|field| {
-            field.stream.slot.counts(format!("field/{}", field.definition.name))
-        });
+        let fields =
+            self.fields.iter().map(|field| field.stream.slot.counts(format!("field/{}", field.definition.name)));
         [self.state.slot.counts("state".into()), self.report.slot.counts("report".into())]
             .into_iter()
             .chain(fields)
