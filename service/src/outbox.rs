@@ -130,8 +130,8 @@ impl<T> Stream<T> {
         Arc::clone(&self.slot)
     }
 
-    /// When to offer the state of `mark`; `None` when nobody wants it, or all have it.
-    fn due(&self, mark: Mark) -> Option<Instant> {
+    /// When to offer the state of `mark`, if not at `now`; `None` when nobody wants it, or all have it.
+    fn due(&self, now: Instant, mark: Mark) -> Option<Instant> {
         if !self.slot.wanted.load(Relaxed) {
             return None;
         }
@@ -139,7 +139,7 @@ impl<T> Stream<T> {
         match self.last {
             Some((_, last)) if last == mark && !newcomer => None,
             Some((at, _)) => at.checked_add(self.period),
-            None => Some(Instant::now()),
+            None => Some(now),
         }
     }
 
@@ -154,7 +154,7 @@ impl<T> Stream<T> {
 
     /// Whether a frame is due.
     pub fn is_due(&self, now: Instant, mark: Mark) -> bool {
-        self.due(mark).is_some_and(|due| due <= now)
+        self.due(now, mark).is_some_and(|due| due <= now)
     }
 }
 
@@ -249,9 +249,9 @@ impl Outbox {
     }
 
     /// When the next frame of an unchanging state is due; `None` when all have it.
-    pub fn next_due(&self, mark: Mark) -> Option<Instant> {
-        let fields = self.fields.iter().filter_map(|field| field.stream.due(mark));
-        fields.chain(self.state.due(mark)).chain(self.report.due(mark)).min()
+    pub fn next_due(&self, now: Instant, mark: Mark) -> Option<Instant> {
+        let fields = self.fields.iter().filter_map(|field| field.stream.due(now, mark));
+        fields.chain(self.state.due(now, mark)).chain(self.report.due(now, mark)).min()
     }
 
     /// Frames of each stream.
@@ -321,7 +321,7 @@ mod tests {
             stream.offer(later, MARK, |_| Box::new(1));
         }
         assert_eq!(counts(&stream.slot)[0], 1);
-        assert_eq!(stream.due(MARK), None);
+        assert_eq!(stream.due(later, MARK), None);
         stream.slot.set_wanted(true);
         stream.offer(later + Duration::from_secs(1), MARK, |_| Box::new(1));
         assert_eq!(counts(&stream.slot)[0], 2);

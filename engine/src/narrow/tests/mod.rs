@@ -1,6 +1,5 @@
 //! The narrow phase against closed forms and independent brute force.
 
-mod cost;
 mod degenerate;
 mod generic;
 mod oracle;
