@@ -22,7 +22,7 @@ pub struct Limits {
     pub insertion_particles: u64,
     /// Particles in all.
     pub particles: u64,
-    /// Requests waiting for the physics thread; as many more may wait to be decoded.
+    /// Requests waiting for the physics thread; twice as many may wait to be decoded.
     pub queue_length: usize,
     /// Requests not yet answered: windows under way and commands for later count here.
     pub open_requests: usize,

@@ -14,7 +14,9 @@ fn every_fast_case_is_within_its_tolerance() {
     }
     let text: Vec<String> = failed
         .iter()
-        .map(|row| format!("{} {}: {:e}, reference {:e} +- {:e}", row.id, row.metric, row.value, row.reference, row.tolerance))
+        .map(|row| {
+            format!("{} {}: {:e}, reference {:e} +- {:e}", row.id, row.metric, row.value, row.reference, row.tolerance)
+        })
         .collect();
     assert!(failed.is_empty(), "\n{}", text.join("\n"));
 }

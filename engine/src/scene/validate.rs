@@ -198,9 +198,8 @@ impl Scene {
         smallest
     }
 
-    fn body(&self, shape: usize, mass: f64, smallest_inertia: f64, radius: f64) -> Body {
-        let normal_lever = if self.plan.reaches[shape].is_sphere { 0.0 } else { radius };
-        Body { mass, smallest_inertia, normal_lever, tangential_lever: radius }
+    fn body(&self, shape: usize, mass: f64) -> Body {
+        Body { mass, leverage: self.shapes[shape].leverage() }
     }
 
     /// Each shape of each particle material, at unit scale.
@@ -210,8 +209,7 @@ impl Scene {
             let Some(density) = material.density_kg_per_m3 else { continue };
             for (s, shape) in self.shapes.iter().enumerate() {
                 let properties = shape.mass_properties();
-                let inertia = properties.principal_inertia.min() * density;
-                bodies.push((m, self.body(s, properties.volume * density, inertia, shape.bounding_radius())));
+                bodies.push((m, self.body(s, properties.volume * density)));
             }
         }
         bodies
@@ -227,8 +225,7 @@ impl Scene {
                 *class = Some(particle);
             }
         }
-        let body =
-            |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass, p.inertia.min(), p.radius));
+        let body = |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass));
         lightest.into_iter().flatten().map(body).collect()
     }
 
