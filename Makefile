@@ -1,6 +1,6 @@
 # Two commands: `make demo` runs the main job, `make test` passes all the tests. Both need Rust, Python 3.11 or later,
 # a C toolchain and the package registries, and make their own Python environment in .venv.
-.PHONY: demo test test-rust test-python lint bench validate clean
+.PHONY: help demo test lint bench validate clean
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -23,21 +23,14 @@ $(VENV)/stamp: clients/python/pyproject.toml
 	$(PY) -m pip install --quiet --disable-pip-version-check -e 'clients/python[plots,test]'
 	touch $@
 
-.PHONY: binary
-binary:
-	$(RUST) build --release --locked -p sturz-service
-
-demo: binary $(VENV)/stamp
+demo: $(VENV)/stamp
+	$(RUST) build --release --locked --workspace
 	$(PY) clients/python/examples/drum_demo.py --out $(DEMO_OUT)
 
-# One build of everything first, so that the packages share one set of features and nothing is built twice.
-test: test-rust test-python
-
-test-rust:
-	$(RUST) build --release --locked --workspace --all-targets
+# The whole workspace in one go: packages built apart would get other features, and zenoh be compiled twice. The Python
+# tests use the daemon that the Rust tests have built.
+test: $(VENV)/stamp
 	$(RUST) test --release --locked --workspace
-
-test-python: binary $(VENV)/stamp
 	$(PY) -m pytest clients/python
 
 lint: $(VENV)/stamp
