@@ -1,7 +1,7 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
 use crate::math::Vec3;
-use crate::narrow::{FeatureKey, Manifold};
+use crate::narrow::{FeatureKey, Manifold, PairCache};
 
 /// Slots per task; never a function of the thread count, so that sums per chunk are the same on any number.
 pub const CHUNK: usize = 256;
@@ -115,6 +115,8 @@ pub struct ContactChunk {
     pub previous: Vec<Contact>,
     /// Sums of this step.
     pub sums: Sums,
+    /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
+    pub caches: Vec<PairCache>,
     /// Scratch.
     pub manifold: Manifold,
 }
@@ -124,8 +126,6 @@ pub struct ContactChunk {
 pub struct ContactTable {
     /// Grouped by kind.
     pub slots: Vec<Slot>,
-    /// Last separating axis of each slot: may only skip work whose answer it proves.
-    pub hints: Vec<u32>,
     /// Result of each slot.
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
@@ -138,8 +138,6 @@ impl ContactTable {
         self.slots.clear();
         self.slots.extend(slots);
         let n = self.slots.len();
-        self.hints.clear();
-        self.hints.resize(n, 0);
         self.wrenches.clear();
         self.wrenches.resize(n, Wrench::default());
         self.chunks.resize_with(n.div_ceil(CHUNK), ContactChunk::default);
@@ -148,6 +146,16 @@ impl ContactTable {
             chunk.previous.clear();
             chunk.sums = Sums::default();
         }
+        for (slots, chunk) in self.slots.chunks(CHUNK).zip(&mut self.chunks) {
+            let parts = slots.iter().rposition(|slot| slot.kind == SlotKind::Parts).map_or(0, |last| last + 1);
+            chunk.caches.clear();
+            chunk.caches.resize(parts, PairCache::default());
+        }
+    }
+
+    /// Forgets what the narrow phase has learned.
+    pub fn drop_caches(&mut self) {
+        self.chunks.iter_mut().flat_map(|chunk| &mut chunk.caches).for_each(|cache| *cache = PairCache::default());
     }
 
     /// Contacts with the index of their slot in the table, in order.
