@@ -1,5 +1,6 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
+use super::carry::CarriedCaches;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
 
@@ -130,6 +131,8 @@ pub struct ContactTable {
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
     pub chunks: Vec<ContactChunk>,
+    /// Scratch of a rebuild.
+    pub carried: CarriedCaches,
 }
 
 impl ContactTable {
