@@ -48,11 +48,9 @@ impl Cell {
         let n = particles.n_owned();
         for row in 0..n {
             let cells = self.wrap(&mut particles.position[row]);
-            for axis in 0..3 {
-                if cells[axis] != 0 {
-                    particles.image[row][axis] += cells[axis];
-                    particles.offset[row][axis] += f64::from(cells[axis]) * self.extent[axis];
-                }
+            for (axis, &crossed) in cells.iter().enumerate().filter(|(_, crossed)| **crossed != 0) {
+                particles.image[row][axis] += crossed;
+                particles.offset[row][axis] += f64::from(crossed) * self.extent[axis];
             }
         }
     }

@@ -22,8 +22,8 @@ fn free_flight_is_a_parabola() {
     let state = snapshot(&engine);
     assert_eq!(state.time_s, 0.1);
     let expected = [0.1, 0.2, 0.3 - 0.5 * 9.81 * 0.01];
-    for axis in 0..3 {
-        assert!((state.positions[0][axis] - expected[axis]).abs() < 1e-13);
+    for (position, expected) in state.positions[0].iter().zip(expected) {
+        assert!((position - expected).abs() < 1e-13);
     }
     assert!((state.angular_velocities[0][1] - 5.0).abs() < 1e-13);
     assert!(engine.report().energy.residual_j.abs() < 1e-12);

@@ -76,13 +76,7 @@ pub fn rows<T: Number, const C: usize>(name: &str, unit: &str, rows: &[[T; C]]) 
 pub fn flat<T: Number>(name: &str, unit: &str, components: usize, numbers: &[T]) -> Column {
     let mut data = Vec::with_capacity(numbers.len() * T::BYTES);
     numbers.iter().for_each(|number| number.put(&mut data));
-    Column {
-        name: name.into(),
-        dtype: T::DTYPE.into(),
-        components: components as u32,
-        data,
-        unit: unit.into(),
-    }
+    Column { name: name.into(), dtype: T::DTYPE.into(), components: components as u32, data, unit: unit.into() }
 }
 
 /// Numbers of a column of `C` components per row, proved to be such a column.

@@ -1,7 +1,7 @@
 //! The only way to the physics thread: a bounded queue of letters, read between two steps.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::time::Instant;
 
 use sturz_engine::fields::FieldFrame;
@@ -163,11 +163,8 @@ impl Mailbox {
 
 impl Inbox {
     /// The next letter, if there is one.
-    pub fn next(&mut self) -> Option<Letter> {
-        self.first.take().or_else(|| match self.letters.try_recv() {
-            Ok(letter) => Some(letter),
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
-        })
+    pub fn take(&mut self) -> Option<Letter> {
+        self.first.take().or_else(|| self.letters.try_recv().ok())
     }
 
     /// Sleeps until there is a letter, or until `deadline`. `false` when there will never be one.
@@ -201,7 +198,7 @@ mod tests {
         assert!(mailbox.deliver(Letter::Wake).is_ok());
         assert!(matches!(mailbox.deliver(Letter::Wake), Err(Undelivered::Full(Letter::Wake))));
         mailbox.wake();
-        assert!(inbox.next().is_some() && inbox.next().is_some() && inbox.next().is_none());
+        assert!(inbox.take().is_some() && inbox.take().is_some() && inbox.take().is_none());
         drop(inbox);
         assert!(matches!(mailbox.deliver(Letter::Wake), Err(Undelivered::Closed(_))));
     }
@@ -211,9 +208,9 @@ mod tests {
         let (mailbox, mut inbox) = mailbox(2);
         mailbox.wake();
         assert!(inbox.wait(None));
-        assert!(inbox.next().is_some());
+        assert!(inbox.take().is_some());
         assert!(inbox.wait(Some(Instant::now() + Duration::from_millis(1))));
-        assert!(inbox.next().is_none());
+        assert!(inbox.take().is_none());
         drop(mailbox);
         assert!(!inbox.wait(None));
     }

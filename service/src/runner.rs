@@ -104,7 +104,7 @@ impl Runner<'_> {
 
     fn read_mail(&mut self) {
         for _ in 0..LETTERS_PER_TICK {
-            match self.inbox.next() {
+            match self.inbox.take() {
                 Some(Letter::Command(order, reply)) => self.receive(*order, reply),
                 Some(Letter::Read(question, reply)) => self.answer(question, reply),
                 Some(Letter::Wake) => {}
