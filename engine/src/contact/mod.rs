@@ -1,12 +1,15 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
 mod evaluate;
+mod evaluate_overlap;
 mod find;
 mod history;
 pub mod law;
+mod overlap;
 mod table;
 
 pub use evaluate::{ForceInputs, evaluate_forces};
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;
+pub use overlap::{OverlapChunk, OverlapContact};
 pub use table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};

@@ -1,5 +1,6 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
+use super::overlap::OverlapChunk;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold};
 
@@ -13,8 +14,26 @@ pub enum SlotKind {
     SphereSphere,
     /// Two convex parts.
     Parts,
+    /// Two rounded polyhedra, by generalized overlap.
+    RoundedParts,
     /// A convex part and a boundary.
     Wall,
+    /// A rounded polyhedron and a boundary, by generalized overlap.
+    RoundedWall,
+}
+
+impl SlotKind {
+    /// Whether side b is a boundary.
+    #[inline(always)]
+    pub fn is_wall(self) -> bool {
+        matches!(self, Self::Wall | Self::RoundedWall)
+    }
+
+    /// Whether the contact is one by generalized overlap.
+    #[inline(always)]
+    pub fn is_rounded(self) -> bool {
+        matches!(self, Self::RoundedParts | Self::RoundedWall)
+    }
 }
 
 /// A pair of parts that may touch.
@@ -83,11 +102,33 @@ pub struct Sums {
     pub largest_ratio: f64,
     /// Slot (in the table) of the largest ratio.
     pub largest_slot: u32,
+    /// Largest generalized overlap over the mean rounding radius.
+    pub largest_rounding: f64,
+    /// Slot (in the table) of that.
+    pub rounding_slot: u32,
     /// Touching points by kind: smooth, vertex-face, edge-edge.
     pub points_by_kind: [u64; 3],
 }
 
 impl Sums {
+    /// The overlap of a slot of the chunk.
+    #[inline(always)]
+    pub fn take_overlap(&mut self, overlap: f64, smaller_radius: f64, slot: usize) {
+        self.largest_overlap = self.largest_overlap.max(overlap);
+        let ratio = overlap / smaller_radius;
+        if ratio > self.largest_ratio {
+            (self.largest_ratio, self.largest_slot) = (ratio, slot as u32);
+        }
+    }
+
+    /// The generalized overlap of a slot of the chunk over its mean rounding radius.
+    #[inline(always)]
+    pub fn take_rounding(&mut self, ratio: f64, slot: usize) {
+        if ratio > self.largest_rounding {
+            (self.largest_rounding, self.rounding_slot) = (ratio, slot as u32);
+        }
+    }
+
     /// Adds the next chunk.
     pub fn add(&mut self, other: &Sums) {
         self.elastic_normal += other.elastic_normal;
@@ -99,6 +140,10 @@ impl Sums {
         if other.largest_ratio > self.largest_ratio {
             self.largest_ratio = other.largest_ratio;
             self.largest_slot = other.largest_slot;
+        }
+        if other.largest_rounding > self.largest_rounding {
+            self.largest_rounding = other.largest_rounding;
+            self.rounding_slot = other.rounding_slot;
         }
         for kind in 0..3 {
             self.points_by_kind[kind] += other.points_by_kind[kind];
@@ -113,6 +158,8 @@ pub struct ContactChunk {
     pub contacts: Vec<Contact>,
     /// Of the step before; only slot, feature and spring are read.
     pub previous: Vec<Contact>,
+    /// By generalized overlap.
+    pub overlaps: OverlapChunk,
     /// Sums of this step.
     pub sums: Sums,
     /// Scratch.
@@ -143,7 +190,9 @@ impl ContactTable {
         self.wrenches.clear();
         self.wrenches.resize(n, Wrench::default());
         self.chunks.resize_with(n.div_ceil(CHUNK), ContactChunk::default);
-        for chunk in &mut self.chunks {
+        for (chunk, slots) in self.chunks.iter_mut().zip(self.slots.chunks(CHUNK)) {
+            let lists = slots.iter().rposition(|slot| slot.kind == SlotKind::RoundedParts).map_or(0, |last| last + 1);
+            chunk.overlaps.reset(lists);
             chunk.contacts.clear();
             chunk.previous.clear();
             chunk.sums = Sums::default();
