@@ -94,13 +94,13 @@ const ROUNDED_FREQUENCY: f64 = 8.0;
 /// Largest stable step of a contact of two rounded polyhedra, or of one with a wall, s.
 ///
 /// Its damping scales with the contact's own effective mass, so that the damping ratio is that of the law whatever
-/// touches; a raw coefficient meets the lightest effective mass. Elongated bodies, whose lever alone makes a contact
+/// touches (with the exponent 1.5: up to the reference overlap); a raw coefficient meets the lightest effective mass. Elongated bodies, whose lever alone makes a contact
 /// stiffer than the measured shapes', take the larger of both estimates.
 pub fn rounded_critical_step(law: &PairLaw, overlap: &OverlapLaw, a: &Body, b: Option<&Body>) -> f64 {
     let inverse_reduced = 1.0 / a.mass + b.map_or(0.0, |b| 1.0 / b.mass);
     let inverse_normal = a.inverse_normal_mass() + b.map_or(0.0, Body::inverse_normal_mass);
     let inverse_mass = (ROUNDED_FREQUENCY * ROUNDED_FREQUENCY * inverse_reduced).max(2.0 * inverse_normal);
-    let stiffness = law.stiffness * overlap.largest_stiffening();
+    let stiffness = law.stiffness * overlap.reference_stiffening();
     match law.raw_damping {
         Some(damping) => bound(stiffness, damping, inverse_mass),
         None => largest_stable_product(law.damping_ratio) / (stiffness * inverse_mass).sqrt(),

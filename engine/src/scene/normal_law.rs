@@ -36,9 +36,10 @@ pub struct GeneralizedOverlapSection {
     pub edge_fade_factor: f64,
     /// beta: strength of the dashpots on the differences between points, over that of the normal dashpot.
     pub rocking_damping: f64,
-    /// 1: F = k D. 1.5: F = k D sqrt(D / D0).
+    /// 1: F = k D. 1.5: F = k D sqrt(D / D0), which integrates 5 to 10 times more accurately at the same step.
     pub exponent: f64,
-    /// D0 over the sum of the rounding radii of a pair (the one radius at a wall).
+    /// D0 over the sum of the rounding radii of a pair (the one radius at a wall); to be near the deepest overlap of
+    /// the scene, because the critical step holds up to there. Unused with exponent 1.
     pub reference_overlap_fraction: f64,
 }
 

@@ -60,11 +60,12 @@ impl OverlapLaw {
         }
     }
 
-    /// Largest dF/dD over k within the range D < r_a + r_b of the law.
-    pub fn largest_stiffening(&self) -> f64 {
+    /// dF/dD over k at the reference overlap D0. With the exponent 1.5 deeper contacts are stiffer, by sqrt(D / D0):
+    /// D0 should be the deepest overlap that the scene reaches.
+    pub fn reference_stiffening(&self) -> f64 {
         match self.exponent {
             Exponent::One => 1.0,
-            Exponent::ThreeHalves => 1.5 * (1.0 / self.reference_fraction).sqrt(),
+            Exponent::ThreeHalves => 1.5,
         }
     }
 }
