@@ -1,11 +1,53 @@
-# Two commands: `make test` passes all tests.
-.PHONY: test lint bench validate
-test:
-	cargo test --release -p sturz-engine -p sturz-protocol -p sturz-tests
-lint:
-	cargo fmt --all --check
-	cargo clippy --release -p sturz-engine -p sturz-protocol -p sturz-tests --all-targets -- -D warnings
+# Two commands: `make demo` runs the main job, `make test` passes all the tests. Both need Rust, Python 3.11 or later,
+# a C toolchain and the package registries, and make their own Python environment in .venv.
+.PHONY: help demo test lint bench validate clean
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+VENV := .venv
+PY := $(VENV)/bin/python
+RUST := cargo
+DEMO_OUT ?= out/demo
+
+help:
+	@echo "make demo      a drum of crosses, steered from Python: pictures, fields and a report in $(DEMO_OUT)"
+	@echo "make test      all the tests"
+	@echo "make lint      format and lints of Rust and Python"
+	@echo "make bench     the workloads W1 to W4 on one and two threads (minutes; settles its beds first)"
+	@echo "make validate  the fast cases of closed forms and papers; tables in out/validation.json"
+
+# Made anew when the package's requirements change.
+$(VENV)/stamp: clients/python/pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or later is needed, this is %s" % sys.version.split()[0])'
+	$(PYTHON) -m venv $(VENV)
+	$(PY) -m pip install --quiet --disable-pip-version-check -e 'clients/python[plots,test]'
+	touch $@
+
+demo: $(VENV)/stamp
+	$(RUST) build --release --locked --workspace
+	$(PY) clients/python/examples/drum_demo.py --out $(DEMO_OUT)
+
+# The whole workspace in one go: packages built apart would get other features, and zenoh be compiled twice. The Python
+# tests use the daemon that the Rust tests have built.
+test: $(VENV)/stamp
+	$(RUST) test --release --locked --workspace
+	$(PY) -m pytest clients/python
+
+lint: $(VENV)/stamp
+	$(RUST) fmt --all --check
+	$(RUST) clippy --release --locked --workspace --all-targets -- -D warnings
+	$(PY) -m ruff check clients/python
+	$(PY) -m ruff format --check clients/python
+
 bench:
-	cargo run --release -p sturz-tests --bin bench -- all
+	mkdir -p out
+	$(RUST) run --release --locked -p sturz-tests --bin bench -- all --threads 1 --json out/bench-1.json
+	$(RUST) run --release --locked -p sturz-tests --bin bench -- all --threads 2 --json out/bench-2.json
+
 validate:
-	cargo run --release -p sturz-tests --bin validate
+	mkdir -p out
+	$(RUST) run --release --locked -p sturz-tests --bin validate -- --json out/validation.json
+
+clean:
+	$(RUST) clean
+	rm -rf $(VENV) out

@@ -147,8 +147,7 @@ impl Engine {
     /// Makes the next step rebuild the neighbour list. The results do not depend on it; tests show that.
     pub fn drop_caches(&mut self) {
         self.neighbours.invalidate();
-        self.contacts.hints.fill(0);
-        self.contacts.chunks.iter_mut().for_each(|chunk| chunk.overlaps.forget());
+        self.contacts.drop_caches();
     }
 
     /// Forces at the present state without a step: at the start, and after the particles have changed.

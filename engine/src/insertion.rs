@@ -6,7 +6,7 @@ use crate::boundary::{Boundary, WallShape};
 use crate::cell::Cell;
 use crate::error::InvalidInput;
 use crate::math::{Quat, Similarity, Vec3};
-use crate::narrow::{self, Manifold};
+use crate::narrow::{self, Manifold, PairCache};
 use crate::particles::NewParticle;
 use crate::random::{Draw, Purpose};
 use crate::scene::{InsertionDescription, Placement, Region, Scene};
@@ -412,7 +412,7 @@ fn overlaps(a: &NewParticle, d: &Vec3, b: &NewParticle, scene: &Scene, manifold:
     parts_a.iter().any(|part_a| {
         parts_b.iter().any(|part_b| {
             manifold.clear();
-            narrow::collide(part_a, part_b, &a_from_b, &mut 0, manifold);
+            narrow::collide(part_a, part_b, &a_from_b, &mut PairCache::default(), manifold);
             !manifold.points().is_empty()
         })
     })

@@ -80,7 +80,7 @@ pub fn flat<T: Number>(name: &str, unit: &str, components: usize, numbers: &[T])
         name: name.into(),
         dtype: T::DTYPE.into(),
         components: components as u32,
-        data: data.into(),
+        data,
         unit: unit.into(),
     }
 }
@@ -101,6 +101,15 @@ pub fn read<T: Number, const C: usize>(column: &Column) -> Result<Vec<[T; C]>, C
     Ok(column.data.chunks_exact(row_bytes).map(row).collect())
 }
 
+/// The same for floats of either width, f32 widened: what a client reads, whichever it asked for.
+pub fn read_floats<const C: usize>(column: &Column) -> Result<Vec<[f64; C]>, ColumnError> {
+    if column.dtype == f32::DTYPE as i32 {
+        Ok(read::<f32, C>(column)?.into_iter().map(|row| row.map(f64::from)).collect())
+    } else {
+        read(column)
+    }
+}
+
 fn type_name(dtype: i32) -> &'static str {
     DataType::try_from(dtype).map_or("unknown", |known| known.as_str_name())
 }
@@ -118,6 +127,16 @@ mod tests {
             let bits: Vec<[u64; 3]> = back.iter().map(|row| row.map(f64::to_bits)).collect();
             prop_assert_eq!(bits, numbers);
         }
+    }
+
+    #[test]
+    fn floats_are_read_whatever_their_width() {
+        let (narrow, wide) = (rows("x", "m", &[[1.5_f32, 0.1]]), rows("x", "m", &[[1.5_f64, 0.1]]));
+        assert_eq!(read_floats::<2>(&narrow), Ok(vec![[1.5, f64::from(0.1_f32)]]));
+        assert_eq!(read_floats::<2>(&wide), Ok(vec![[1.5, 0.1]]));
+        assert!(matches!(read_floats::<3>(&narrow), Err(ColumnError::WrongComponents { .. })));
+        let ids = flat("ids", "", 1, &[1_u64]);
+        assert!(matches!(read_floats::<1>(&ids), Err(ColumnError::WrongType { .. })));
     }
 
     #[test]

@@ -79,10 +79,8 @@ pub fn check_start(start: Start, now: Moment) -> Result<(), v1::Error> {
             Err(error(v1::ErrorCode::WrongTime, "from_time_s", text))
         }
         Start::Step(step) if step != now.step => {
-            let text = format!(
-                "the window starts after step {step}, the engine is at step {} ({:?} s)",
-                now.step, now.time_s
-            );
+            let text =
+                format!("the window starts after step {step}, the engine is at step {} ({:?} s)", now.step, now.time_s);
             Err(error(v1::ErrorCode::WrongTime, "from_step", text))
         }
         Start::Time(_) | Start::Step(_) => Ok(()),

@@ -22,7 +22,7 @@ pub struct Limits {
     pub insertion_particles: u64,
     /// Particles in all.
     pub particles: u64,
-    /// Requests waiting for the physics thread; as many more may wait to be decoded.
+    /// Requests waiting for the physics thread; twice as many may wait to be decoded.
     pub queue_length: usize,
     /// Requests not yet answered: windows under way and commands for later count here.
     pub open_requests: usize,
@@ -119,17 +119,57 @@ impl Bus {
         Ok(config)
     }
 
+    /// Refuses endpoints that other machines can reach, unless that is wanted: whoever reaches them can steer.
+    pub fn check_exposure(&self, insecure: bool) -> anyhow::Result<()> {
+        let config = self.daemon_config()?;
+        let listed = config.get_json("listen/endpoints").map_err(|error| anyhow!("listen/endpoints: {error}"))?;
+        let listed: serde_json::Value = serde_json::from_str(&listed)?;
+        let mut exposed = endpoints(&listed).into_iter().filter(|endpoint| !is_loopback(endpoint));
+        match exposed.next() {
+            Some(endpoint) if insecure => {
+                tracing::warn!("--insecure: whoever reaches {endpoint} can steer this simulation");
+                Ok(())
+            }
+            Some(endpoint) => Err(anyhow!(
+                "other machines can reach {endpoint}, and whoever does can steer: listen on tcp/127.0.0.1:PORT, or allow it with --insecure"
+            )),
+            None => Ok(()),
+        }
+    }
+
     fn base(&self) -> anyhow::Result<zenoh::Config> {
         let mut config = match &self.file {
-            Some(path) => {
-                zenoh::Config::from_file(path).map_err(|error| anyhow!("{}: {error}", path.display()))?
-            }
+            Some(path) => zenoh::Config::from_file(path).map_err(|error| anyhow!("{}: {error}", path.display()))?,
             None => zenoh::Config::default(),
         };
         set(&mut config, "scouting/multicast/enabled", &false)?;
         set(&mut config, "scouting/gossip/enabled", &false)?;
         Ok(config)
     }
+}
+
+/// All strings of a zenoh endpoint setting: a list, or a list per mode.
+fn endpoints(value: &serde_json::Value) -> Vec<&str> {
+    match value {
+        serde_json::Value::String(endpoint) => vec![endpoint],
+        serde_json::Value::Array(list) => list.iter().flat_map(endpoints).collect(),
+        serde_json::Value::Object(modes) => modes.get("peer").map(endpoints).unwrap_or_default(),
+        _ => Vec::new(),
+    }
+}
+
+/// Whether only this machine can reach an endpoint such as `tcp/127.0.0.1:7447`.
+fn is_loopback(endpoint: &str) -> bool {
+    let Some((protocol, address)) = endpoint.split_once('/') else {
+        return false;
+    };
+    if protocol.starts_with("unix") {
+        return true;
+    }
+    let host =
+        address.split(['?', '#']).next().and_then(|address| address.rsplit_once(':')).map_or("", |(host, _)| host);
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    host == "localhost" || host.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
 }
 
 fn set<T: serde::Serialize + ?Sized>(config: &mut zenoh::Config, key: &str, value: &T) -> anyhow::Result<()> {
@@ -150,6 +190,22 @@ mod tests {
         }
         assert!(config.get_json("listen/endpoints").unwrap().contains("tcp/127.0.0.1:0"));
         assert_eq!(config.get_json("mode").unwrap(), "\"peer\"");
+    }
+
+    #[test]
+    fn only_loopback_goes_without_saying() {
+        for endpoint in ["auto", "tcp/127.0.0.1:7447", "tcp/localhost:0", "tcp/[::1]:7447", "tcp/127.0.0.1:1#iface=lo"]
+        {
+            let bus = Bus { listen: vec![endpoint.into()], ..Bus::default() };
+            assert!(bus.check_exposure(false).is_ok(), "{endpoint}");
+        }
+        for endpoint in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tcp/192.0.2.1:7447", "tcp/example.org:1"] {
+            let bus = Bus { listen: vec!["auto".into(), endpoint.into()], ..Bus::default() };
+            assert!(bus.check_exposure(false).unwrap_err().to_string().contains(endpoint));
+            assert!(bus.check_exposure(true).is_ok());
+        }
+        // Zenoh's own default is every interface.
+        assert!(Bus::default().check_exposure(false).is_err());
     }
 
     #[test]

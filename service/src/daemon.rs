@@ -71,7 +71,9 @@ pub struct Ready {
 #[derive(Debug, Error)]
 pub enum ServeError {
     /// The bus does not let us in.
-    #[error("cannot listen on {endpoints:?}: {reason}. Is another daemon there? Choose another --listen, such as `auto`")]
+    #[error(
+        "cannot listen on {endpoints:?}: {reason}. Is another daemon there? Choose another --listen, such as `auto`"
+    )]
     Bus {
         /// Where.
         endpoints: Vec<String>,
@@ -114,7 +116,8 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
 
     let state = publish::stream(&session, Arc::clone(&io), keys.state_frame(), outbox.state.slot()).await?;
     let report = publish::stream(&session, Arc::clone(&io), keys.report(), outbox.report.slot()).await?;
-    let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard);
+    let (more_events, last) = oneshot::channel::<()>();
+    let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard, last);
     let stop_on_stdin_eof = options.stop_on_stdin_eof;
     let mut ended = start_physics(scene, options, inbox, outbox, Arc::clone(&shared))?;
     let intake = intake::open(&session, Arc::clone(&io)).await?;
@@ -130,16 +133,17 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
         }
     }
     tracing::info!("ending");
-    drop(token.undeclare().await);
     let all = io.limits.open_requests as u32;
     drop(tokio::time::timeout(LAST_REPLIES, io.open.acquire_many(all)).await);
     drop(intake);
     state.abort();
     report.abort();
-    drop(io);
+    drop(more_events);
     if tokio::time::timeout(LAST_REPLIES, publishing).await.is_err() {
         tracing::debug!("the last events were not all sent");
     }
+    // Last: clients take the loss of the token for the end of all answers.
+    drop(token.undeclare().await);
     session.close().await.map_err(|error| anyhow!(error))?;
     Ok(())
 }
@@ -208,7 +212,8 @@ fn start_physics(
             };
             runner.run();
         });
-        drop(ending.send(()));
+        // Nobody may be waiting any more.
+        let _ = ending.send(());
     };
     thread::Builder::new().name("physics".into()).spawn(body)?;
     Ok(ended)

@@ -1,6 +1,6 @@
 //! What each order does, on the physics thread, between two steps.
 
-use sturz_engine::scene::{InsertionDescription, Placement, Region, Scene};
+use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, Scene};
 use sturz_engine::{Command, Effect, InvalidInput};
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
@@ -39,9 +39,7 @@ impl Runner<'_> {
     fn repeat(&mut self, order: &Order, mut outcome: v1::Outcome, reply: ReplyTo) {
         outcome.repeated = true;
         let capture = match (&order.body, &outcome.result) {
-            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced)))
-                if advanced.step == self.moment().step =>
-            {
+            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced))) if advanced.step == self.moment().step => {
                 self.capture(outputs)
             }
             _ => None,
@@ -107,7 +105,7 @@ impl Runner<'_> {
         if let Command::Insert(insertion) = command {
             self.check_room(insertion)?;
         }
-        let effect = self.engine.apply(command).map_err(from_engine)?;
+        let effect = self.engine.apply(command).map_err(|input| refused(command, input))?;
         self.revision += 1;
         match effect {
             Effect::Inserted { count, .. } => self.announce_particles(format!("{count} particles were inserted")),
@@ -130,7 +128,8 @@ impl Runner<'_> {
         }
         let present = self.engine.len() as u64;
         if present + count > self.limits.particles {
-            let text = format!("{count} more than the {present} present; at most {} are allowed", self.limits.particles);
+            let text =
+                format!("{count} more than the {present} present; at most {} are allowed", self.limits.particles);
             return Err(error(v1::ErrorCode::TooLarge, "placement", text));
         }
         Ok(())
@@ -191,7 +190,14 @@ impl Runner<'_> {
             return self.refuse(ticket, error);
         }
         let to_time_s = self.engine.clock().time_after_s(steps);
-        self.set_window(Window { ticket, outputs: None, begun: self.moment(), to_time_s, steps_total: steps, steps_done: 0 });
+        self.set_window(Window {
+            ticket,
+            outputs: None,
+            begun: self.moment(),
+            to_time_s,
+            steps_total: steps,
+            steps_done: 0,
+        });
     }
 
     fn begin_window(&mut self, window_s: f64, outputs: Outputs, ticket: Ticket) {
@@ -205,7 +211,7 @@ impl Runner<'_> {
                 steps_total,
                 steps_done: 0,
             }),
-            Err(input) => self.refuse(ticket, from_engine(input)),
+            Err(input) => self.refuse(ticket, invalid(input)),
         }
     }
 
@@ -215,7 +221,12 @@ impl Runner<'_> {
     }
 
     fn define_field(&mut self, definition: sturz_engine::fields::FieldDefinition) -> Result<Wire, v1::Error> {
-        self.engine.validate_field(&definition).map_err(from_engine)?;
+        self.engine.validate_field(&definition).map_err(|mut input| {
+            if let Some(rest) = input.path.strip_prefix("define_field") {
+                input.path = format!("field{rest}");
+            }
+            invalid(input)
+        })?;
         let name = definition.name.clone();
         if self.outbox.field(&name).is_none() && self.outbox.fields.len() >= self.limits.fields {
             let text = format!("{} fields are defined, more are not allowed: drop one", self.limits.fields);
@@ -237,26 +248,62 @@ impl Runner<'_> {
     }
 }
 
-/// The engine's paths begin with the name of its command; those on the wire with a field of the request.
-fn from_engine(mut input: InvalidInput) -> v1::Error {
-    for command in ["insert.", "remove.", "set_gravity.", "set_motion."] {
-        if let Some(path) = input.path.strip_prefix(command) {
-            input.path = path.into();
+/// The engine's refusal of a command, with the path into the request rather than into the engine's own types.
+fn refused(command: &Command, mut input: InvalidInput) -> v1::Error {
+    let path = match command {
+        Command::Insert(insertion) => insertion_path(&insertion.placement, tail(&input.path, "insert")),
+        Command::SetMotion { motion, .. } => motion_path(motion, tail(&input.path, "set_motion")),
+        Command::Remove(_) => tail(&input.path, "remove").into(),
+        Command::SetGravity(_) => tail(&input.path, "set_gravity").into(),
+    };
+    input.path = path;
+    invalid(input)
+}
+
+/// Without the name of the command.
+fn tail<'p>(path: &'p str, command: &str) -> &'p str {
+    path.strip_prefix(command).and_then(|rest| rest.strip_prefix('.')).unwrap_or(path)
+}
+
+fn insertion_path(placement: &Placement, path: &str) -> String {
+    let Some(rest) = path.strip_prefix("placement") else {
+        return path.into();
+    };
+    match placement {
+        Placement::Poses { .. } => format!("placement.poses{rest}"),
+        Placement::Lattice { .. } => format!("placement.lattice{}", rest.replace(".counts", ".count_x")),
+        Placement::Random { region, .. } => {
+            let shape = match region {
+                Region::Box { .. } => ".box",
+                Region::Cylinder { .. } => ".cylinder",
+            };
+            format!("placement.random{}", rest.replace(".region", shape))
         }
     }
-    if let Some(path) = input.path.strip_prefix("define_field") {
-        input.path = format!("field{path}");
+}
+
+fn motion_path(motion: &MotionDescription, path: &str) -> String {
+    let Some(rest) = path.strip_prefix("motion.") else {
+        return path.into();
+    };
+    match motion {
+        MotionDescription::Fixed => path.into(),
+        MotionDescription::Translation { .. } => format!("motion.translation.{rest}"),
+        MotionDescription::Rotation { angular_velocity, .. } => {
+            let law = match angular_velocity {
+                AngularVelocity::Constant { .. } => "constant",
+                AngularVelocity::Ramp { .. } => "ramp",
+            };
+            format!("motion.rotation.{}", rest.replace("angular_velocity", law))
+        }
     }
-    invalid(input)
 }
 
 /// Particles that an insertion will make; about, where it goes by solid fraction.
 fn expected_count(scene: &Scene, insertion: &InsertionDescription) -> u64 {
     match &insertion.placement {
         Placement::Poses { positions_m, .. } => positions_m.len() as u64,
-        Placement::Lattice { counts, .. } => {
-            counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul)
-        }
+        Placement::Lattice { counts, .. } => counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul),
         Placement::Random { count: Some(count), .. } => u64::from(*count),
         Placement::Random { region, solid_fraction, .. } => {
             let names = scene.description().shapes.iter().map(|shape| &shape.name);

@@ -70,11 +70,11 @@ pub struct Intake {
 
 /// Declares all keys that clients may ask at, and starts the task that reads what comes in.
 pub async fn open(session: &Session, io: Arc<Io>) -> anyhow::Result<Intake> {
-    let (sender, receiver) = mpsc::channel(io.limits.queue_length);
+    let (sender, receiver) = mpsc::channel(2 * io.limits.queue_length);
     let (refuse, refused) = mpsc::channel(REFUSALS);
     tokio::spawn(read_all(Arc::clone(&io), receiver));
     tokio::spawn(refuse_all(Arc::clone(&io), refused));
-    let queue = Queue { sender, refuse };
+    let queue = Queue { sender, refuse, kept_for_queries: io.limits.queue_length };
 
     let keys = &io.keys;
     let commands = format!("sturz/v1/{}/cmd/*", keys.instance());
@@ -130,11 +130,15 @@ fn topic(tail: Option<&str>) -> Option<Topic> {
 struct Queue {
     sender: mpsc::Sender<Raw>,
     refuse: mpsc::Sender<Raw>,
+    /// Places that no put may take: a flood of puts, which cost their sender nothing, must not shut queries out.
+    kept_for_queries: usize,
 }
 
 impl Queue {
     fn add(&self, raw: Raw) {
-        if let Err(mpsc::error::TrySendError::Full(raw)) = self.sender.try_send(raw) {
+        if raw.query.is_none() && self.sender.capacity() <= self.kept_for_queries {
+            drop(self.refuse.try_send(raw));
+        } else if let Err(mpsc::error::TrySendError::Full(raw)) = self.sender.try_send(raw) {
             // Where even refusals wait, the query ends without a reply when it is dropped here.
             drop(self.refuse.try_send(raw));
         }
@@ -153,6 +157,10 @@ async fn read_all(io: Arc<Io>, mut receiver: mpsc::Receiver<Raw>) {
     while let Some(raw) = receiver.recv().await {
         match Arc::clone(&io.open).try_acquire_owned() {
             Ok(permit) => io.take(raw, permit),
+            Err(_) if raw.query.is_none() => {
+                let Topic::Command(name) = &raw.topic else { continue };
+                io.announce_refusal(&io.refusal(&RequestKey::default(), name, busy()));
+            }
             Err(_) => {
                 let io = Arc::clone(&io);
                 drop(tokio::task::spawn_blocking(move || io.refuse(raw, busy())).await);
@@ -202,7 +210,10 @@ impl Io {
             Ok(order) => order,
             Err(refusal) => {
                 let bytes = self.refusal(&refusal.key, verb.name(), refusal.error);
-                return self.finish_later(raw, bytes, permit);
+                return match raw.query {
+                    Some(_) => self.finish_later(raw, bytes, permit),
+                    None => self.announce_refusal(&bytes),
+                };
             }
         };
         let key = order.key.clone();
@@ -258,9 +269,7 @@ impl Io {
         match answer {
             ReadAnswer::Status(status) => Ok(self.identity.info(&status).encode_to_vec()),
             ReadAnswer::Report(sample) => Ok(self.identity.report(&sample, 0).encode_to_vec()),
-            ReadAnswer::Field(field) => {
-                Ok(field_to_wire(&field, self.identity.blank_header(0, 0)).encode_to_vec())
-            }
+            ReadAnswer::Field(field) => Ok(field_to_wire(&field, self.identity.blank_header(0, 0)).encode_to_vec()),
             ReadAnswer::State(snapshot) => {
                 let parameters = raw.query.as_ref().map(Query::parameters);
                 let parameter = |name: &str| parameters.and_then(|all| all.get(name));
@@ -277,6 +286,13 @@ impl Io {
         let mut refusal = outcome(key, Verb::Stop, self.shared.moment(), Wire::Error(error));
         refusal.command = command.into();
         refusal.encode_to_vec()
+    }
+
+    /// Says no to a put. Never waits: in a flood of rubbish some refusals are left out rather than anybody held up.
+    fn announce_refusal(&self, outcome: &[u8]) {
+        if self.events.try_send(command_event(&self.identity, outcome)).is_err() {
+            tracing::debug!("a refusal was left out: too many of them");
+        }
     }
 
     fn finish_later(self: &Arc<Self>, raw: Raw, bytes: Vec<u8>, permit: OwnedSemaphorePermit) {

@@ -113,9 +113,8 @@ impl Order {
         })?;
         let header = request.header().cloned().unwrap_or_default();
         let key = RequestKey { client_id: header.client_id, request_id: header.request_id };
-        let checked = check_key(&key)
-            .and_then(|()| check_time(verb, header.at_time_s))
-            .and_then(|()| body(&request, limits));
+        let checked =
+            check_key(&key).and_then(|()| check_time(verb, header.at_time_s)).and_then(|()| body(&request, limits));
         match checked {
             Ok(body) => {
                 let fingerprint = fingerprint(verb, bytes);

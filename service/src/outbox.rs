@@ -16,6 +16,10 @@ use tokio::sync::{Notify, mpsc};
 use crate::mailbox::ReportSample;
 use crate::ticket::Moment;
 
+/// An unchanging state is handed out again after this time: the bus may drop the last frame of a window, and says
+/// nothing of a second subscriber.
+const REPEAT: Duration = Duration::from_secs(1);
+
 /// One place for the latest frame of a stream, shared by the physics and the publisher.
 pub struct Slot<T> {
     fresh: Mutex<Option<Box<T>>>,
@@ -130,16 +134,16 @@ impl<T> Stream<T> {
         Arc::clone(&self.slot)
     }
 
-    /// When to offer the state of `mark`; `None` when nobody wants it, or all have it.
-    fn due(&self, mark: Mark) -> Option<Instant> {
+    /// When to offer the state of `mark`, if not at `now`; `None` when nobody wants it.
+    fn due(&self, now: Instant, mark: Mark) -> Option<Instant> {
         if !self.slot.wanted.load(Relaxed) {
             return None;
         }
         let newcomer = self.slot.newcomer.load(Relaxed);
         match self.last {
-            Some((_, last)) if last == mark && !newcomer => None,
+            Some((at, last)) if last == mark && !newcomer => at.checked_add(self.period.max(REPEAT)),
             Some((at, _)) => at.checked_add(self.period),
-            None => Some(Instant::now()),
+            None => Some(now),
         }
     }
 
@@ -154,7 +158,7 @@ impl<T> Stream<T> {
 
     /// Whether a frame is due.
     pub fn is_due(&self, now: Instant, mark: Mark) -> bool {
-        self.due(mark).is_some_and(|due| due <= now)
+        self.due(now, mark).is_some_and(|due| due <= now)
     }
 }
 
@@ -248,17 +252,16 @@ impl Outbox {
         self.fields.iter().map(|field| &field.definition).find(|definition| definition.name == name)
     }
 
-    /// When the next frame of an unchanging state is due; `None` when all have it.
-    pub fn next_due(&self, mark: Mark) -> Option<Instant> {
-        let fields = self.fields.iter().filter_map(|field| field.stream.due(mark));
-        fields.chain(self.state.due(mark)).chain(self.report.due(mark)).min()
+    /// When the next frame of an unchanging state is due; `None` when nobody wants any.
+    pub fn next_due(&self, now: Instant, mark: Mark) -> Option<Instant> {
+        let fields = self.fields.iter().filter_map(|field| field.stream.due(now, mark));
+        fields.chain(self.state.due(now, mark)).chain(self.report.due(now, mark)).min()
     }
 
     /// Frames of each stream.
     pub fn counts(&self) -> Vec<v1::StreamCounts> {
-        let fields = self.fields.iter().map(|field| {
-            field.stream.slot.counts(format!("field/{}", field.definition.name))
-        });
+        let fields =
+            self.fields.iter().map(|field| field.stream.slot.counts(format!("field/{}", field.definition.name)));
         [self.state.slot.counts("state".into()), self.report.slot.counts("report".into())]
             .into_iter()
             .chain(fields)
@@ -314,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unchanged_state_is_offered_once_and_again_to_newcomers() {
+    fn an_unchanged_state_is_offered_to_newcomers_and_once_a_second() {
         let mut stream = Stream::<u8>::new(1e9);
         stream.slot.set_wanted(true);
         let later = Instant::now() + Duration::from_secs(1);
@@ -322,10 +325,12 @@ mod tests {
             stream.offer(later, MARK, |_| Box::new(1));
         }
         assert_eq!(counts(&stream.slot)[0], 1);
-        assert_eq!(stream.due(MARK), None);
+        assert_eq!(stream.due(later, MARK), Some(later + REPEAT));
         stream.slot.set_wanted(true);
-        stream.offer(later + Duration::from_secs(1), MARK, |_| Box::new(1));
+        stream.offer(later + REPEAT / 2, MARK, |_| Box::new(1));
         assert_eq!(counts(&stream.slot)[0], 2);
+        stream.offer(later + 2 * REPEAT, MARK, |_| Box::new(1));
+        assert_eq!(counts(&stream.slot)[0], 3, "who came unnoticed, or lost the last frame, gets it at last");
     }
 
     #[test]

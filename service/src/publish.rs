@@ -11,7 +11,7 @@ use sturz_engine::Snapshot;
 use sturz_engine::fields::FieldFrame;
 use sturz_protocol::convert::{FloatType, ParticleColumn, field_to_wire, frame_to_wire};
 use sturz_protocol::v1;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 use tokio::task::{AbortHandle, JoinHandle, block_in_place};
 use zenoh::pubsub::Publisher;
 use zenoh::qos::{CongestionControl, Priority};
@@ -153,19 +153,22 @@ impl Notices {
         Ok(Self { session: session.clone(), io, publishers, fields: HashMap::new(), seq: 0 })
     }
 
-    /// Goes on until the physics and all who may send events have gone.
+    /// Goes on until `last` resolves, and all that was sent before has been published.
     pub fn spawn(
         mut self,
         mut notices: mpsc::Receiver<Notice>,
         mut events: mpsc::Receiver<v1::Event>,
+        mut last: oneshot::Receiver<()>,
     ) -> JoinHandle<()> {
         tokio::spawn(async move {
             loop {
                 tokio::select! {
+                    // In this order: the end comes when nothing waits any more. The queues do not close by themselves,
+                    // since this task shares the senders.
                     biased;
                     Some(notice) = notices.recv() => self.hear(notice).await,
                     Some(event) = events.recv() => self.publish(event),
-                    else => break,
+                    _ = &mut last => break,
                 }
             }
             self.fields.values().for_each(AbortHandle::abort);

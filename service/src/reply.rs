@@ -4,10 +4,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use prost::Message;
 use sturz_engine::scene::{Scene, SceneDescription};
+use sturz_protocol::SCHEMA_VERSION;
 use sturz_protocol::convert::{self, COLUMN_NAMES, FloatType, ParticleColumn};
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
-use sturz_protocol::SCHEMA_VERSION;
 
 use crate::config::Limits;
 use crate::mailbox::{Answer, ReportSample, Status};

@@ -227,7 +227,7 @@ impl Runner<'_> {
 
     /// Sleeps until there is mail, or until a stream whose rate was capped may have the last state.
     fn sleep_until_needed(&mut self) {
-        let deadline = self.outbox.next_due(self.mark());
+        let deadline = self.outbox.next_due(Instant::now(), self.mark());
         if !self.inbox.wait(deadline) {
             self.phase = Phase::Ended;
         }

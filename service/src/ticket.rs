@@ -38,13 +38,7 @@ impl Ticket {
     }
 
     /// Remembers the outcome, and sends it to all who wait for it.
-    pub fn settle(
-        self,
-        memory: &mut RequestMemory,
-        moment: Moment,
-        result: Wire,
-        capture: Option<Arc<Capture>>,
-    ) {
+    pub fn settle(self, memory: &mut RequestMemory, moment: Moment, result: Wire, capture: Option<Arc<Capture>>) {
         let outcome = outcome(&self.key, self.verb, moment, result);
         for twin in memory.settle(&self.key, &outcome) {
             let outcome = v1::Outcome { repeated: true, ..outcome.clone() };

@@ -1,1 +1,62 @@
-//! x
+//! Blocking client of the Sturz daemon: steer a running simulation of granular matter, and look at it.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | `simulation` | the connection, questions, streams |
+//! | `command`, `later` | what changes the simulation, at once or at a simulated time |
+//! | `request`, `outcome` | what a command asks for, what became of it |
+//! | `state`, `field` | particles and fields as arrays |
+//! | `stream` | frames as the daemon publishes them |
+//! | `bus`, `watch`, `queue` | the zenoh session: callbacks enqueue, callers wait |
+//!
+//! Units are SI and in the names. Every method may be called from any thread, and blocks until the daemon has
+//! answered; from asynchronous code, call it where blocking is allowed (`tokio::task::spawn_blocking`). What is small
+//! and plain comes as the message of the wire ([`v1`]); arrays are decoded.
+//!
+//! ```no_run
+//! use std::time::Duration;
+//! use sturz_client::{DEFAULT_ENDPOINT, Insertion, Placement, Simulation, Window};
+//!
+//! let simulation = Simulation::connect("drum-crosses", DEFAULT_ENDPOINT, Duration::from_secs(5))?;
+//! let info = simulation.info()?;
+//! simulation.pause()?;
+//!
+//! let positions_m = vec![[0.0, 0.0, 0.0], [0.02, 0.0, 0.0]];
+//! let insertion = Insertion::new(&info.shapes[0], &info.materials[0], Placement::poses(positions_m));
+//! let inserted = simulation.insert(insertion)?;
+//! assert_eq!(inserted.ids.count(), 2);
+//!
+//! let window = Window::new(0.01).with_columns(["positions"]);
+//! let advanced = simulation.advance(window)?;
+//! println!("at {} s: {:?}", advanced.time_reached_s, advanced.state.map(|state| state.positions_m()).transpose()?);
+//!
+//! for report in simulation.reports()?.take(3) {
+//!     println!("largest overlap: {:.1e}", report?.largest_overlap_ratio);
+//! }
+//! # Ok::<(), sturz_client::ClientError>(())
+//! ```
+
+#![deny(missing_docs)]
+
+mod bus;
+mod command;
+mod error;
+mod field;
+mod later;
+mod outcome;
+mod queue;
+mod request;
+mod simulation;
+mod state;
+mod stream;
+mod watch;
+
+pub use error::{ClientError, Refusal};
+pub use field::{Field, FieldDefinition};
+pub use later::{Later, Pending};
+pub use outcome::{Advanced, Applied, Inserted, Moment, Removed, Stepped};
+pub use request::{Amount, FloatType, Insertion, Motion, Placement, Region, Start, Window};
+pub use simulation::{DEFAULT_ENDPOINT, Simulation};
+pub use state::State;
+pub use stream::{Stream, StreamCounts};
+pub use sturz_protocol::{Request, v1};

@@ -6,7 +6,7 @@ use super::law::share_stiffness;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind};
 use crate::boundary::{Boundary, WallShape};
 use crate::math::Vec3;
-use crate::narrow::{self, FeatureKey, Manifold};
+use crate::narrow::{self, FeatureKey, Manifold, PairCache};
 use crate::particles::Particles;
 use crate::scene::{RoundedShapes, Sharing};
 use crate::shape::Shape;
@@ -30,26 +30,26 @@ pub struct FindInputs<'a> {
 
 /// Fills each chunk's contacts from the present poses.
 pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
-    let ContactTable { slots, hints, chunks, .. } = table;
-    (slots.par_chunks(CHUNK), hints.par_chunks_mut(CHUNK), chunks.par_iter_mut())
+    let ContactTable { slots, chunks, .. } = table;
+    (slots.par_chunks(CHUNK), chunks.par_iter_mut())
         .into_par_iter()
-        .for_each(|(slots, hints, chunk)| find_in_chunk(slots, hints, chunk, inputs));
+        .for_each(|(slots, chunk)| find_in_chunk(slots, chunk, inputs));
 }
 
-fn find_in_chunk(slots: &[Slot], hints: &mut [u32], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
-    let ContactChunk { contacts, previous, manifold, overlaps, .. } = chunk;
+fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
+    let ContactChunk { contacts, previous, caches, manifold, overlaps, .. } = chunk;
     std::mem::swap(contacts, previous);
     contacts.clear();
     let mut carried = previous.as_slice();
     if inputs.rounded.is_some() {
         overlaps.begin();
     }
-    for (index, (slot, hint)) in slots.iter().zip(hints).enumerate() {
-        let index = index as u32;
+    for (k, slot) in slots.iter().enumerate() {
+        let index = k as u32;
         let start = contacts.len();
         match slot.kind {
             SlotKind::SphereSphere => sphere_pair(index, slot, inputs.particles, contacts),
-            SlotKind::Parts => part_pair(index, slot, hint, inputs, manifold, contacts),
+            SlotKind::Parts => part_pair(index, slot, &mut caches[k], inputs, manifold, contacts),
             SlotKind::Wall => part_wall(index, slot, inputs, manifold, contacts),
             SlotKind::RoundedParts | SlotKind::RoundedWall => {
                 let rounded = inputs.rounded.expect("only scenes with cores have such slots");
@@ -98,7 +98,7 @@ fn sphere_pair(index: u32, slot: &Slot, particles: &Particles, contacts: &mut Ve
 fn part_pair(
     index: u32,
     slot: &Slot,
-    hint: &mut u32,
+    cache: &mut PairCache,
     inputs: &FindInputs<'_>,
     manifold: &mut Manifold,
     contacts: &mut Vec<Contact>,
@@ -115,7 +115,7 @@ fn part_pair(
     let part_a = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
     let part_b = &inputs.shapes[particles.shape[b] as usize].parts()[slot.part_b as usize];
     manifold.clear();
-    narrow::collide(part_a, part_b, &a_from_b, hint, manifold);
+    narrow::collide(part_a, part_b, &a_from_b, cache, manifold);
     share_stiffness(manifold.points_mut(), inputs.sharing);
     contacts.extend(manifold.points().iter().map(|point| Contact {
         slot: index,

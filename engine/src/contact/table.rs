@@ -2,7 +2,7 @@
 
 use super::overlap::OverlapChunk;
 use crate::math::Vec3;
-use crate::narrow::{FeatureKey, Manifold};
+use crate::narrow::{FeatureKey, Manifold, PairCache};
 
 /// Slots per task; never a function of the thread count, so that sums per chunk are the same on any number.
 pub const CHUNK: usize = 256;
@@ -162,6 +162,8 @@ pub struct ContactChunk {
     pub overlaps: OverlapChunk,
     /// Sums of this step.
     pub sums: Sums,
+    /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
+    pub caches: Vec<PairCache>,
     /// Scratch.
     pub manifold: Manifold,
 }
@@ -171,8 +173,6 @@ pub struct ContactChunk {
 pub struct ContactTable {
     /// Grouped by kind.
     pub slots: Vec<Slot>,
-    /// Last separating axis of each slot: may only skip work whose answer it proves.
-    pub hints: Vec<u32>,
     /// Result of each slot.
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
@@ -185,17 +185,25 @@ impl ContactTable {
         self.slots.clear();
         self.slots.extend(slots);
         let n = self.slots.len();
-        self.hints.clear();
-        self.hints.resize(n, 0);
         self.wrenches.clear();
         self.wrenches.resize(n, Wrench::default());
         self.chunks.resize_with(n.div_ceil(CHUNK), ContactChunk::default);
-        for (chunk, slots) in self.chunks.iter_mut().zip(self.slots.chunks(CHUNK)) {
-            let lists = slots.iter().rposition(|slot| slot.kind == SlotKind::RoundedParts).map_or(0, |last| last + 1);
-            chunk.overlaps.reset(lists);
+        for (slots, chunk) in self.slots.chunks(CHUNK).zip(&mut self.chunks) {
+            let up_to = |kind: SlotKind| slots.iter().rposition(|slot| slot.kind == kind).map_or(0, |last| last + 1);
             chunk.contacts.clear();
             chunk.previous.clear();
             chunk.sums = Sums::default();
+            chunk.caches.clear();
+            chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());
+            chunk.overlaps.reset(up_to(SlotKind::RoundedParts));
+        }
+    }
+
+    /// Forgets what the narrow phase has learned.
+    pub fn drop_caches(&mut self) {
+        for chunk in &mut self.chunks {
+            chunk.caches.fill(PairCache::default());
+            chunk.overlaps.forget();
         }
     }
 

@@ -3,31 +3,28 @@
 use std::f64::consts::PI;
 
 use crate::contact::law::{OverlapLaw, PairLaw};
+use crate::shape::Leverage;
 
 /// What a particle brings into the bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// kg
     pub mass: f64,
-    /// Smallest principal moment, kg m2.
-    pub smallest_inertia: f64,
-    /// Longest lever of a normal force about the centre of mass, m: 0 for a sphere.
-    pub normal_lever: f64,
-    /// Longest lever of a tangential force, m.
-    pub tangential_lever: f64,
+    /// What rotation adds at the worst place.
+    pub leverage: Leverage,
     /// Has parts that meet others of the kind by generalized overlap.
     pub is_rounded: bool,
 }
 
 impl Body {
-    /// Inverse effective mass at the longest normal lever, 1/kg.
+    /// Largest inverse effective mass of a normal force, 1/kg.
     fn inverse_normal_mass(&self) -> f64 {
-        1.0 / self.mass + self.normal_lever * self.normal_lever / self.smallest_inertia
+        (1.0 + self.leverage.normal) / self.mass
     }
 
-    /// Inverse effective mass at the longest tangential lever, 1/kg.
+    /// Largest inverse effective mass of a tangential force, 1/kg.
     fn inverse_tangential_mass(&self) -> f64 {
-        1.0 / self.mass + self.tangential_lever * self.tangential_lever / self.smallest_inertia
+        (1.0 + self.leverage.tangential) / self.mass
     }
 }
 

@@ -3,6 +3,7 @@
 //! Everything happens in the frame and the length unit of `a`; `b_to_a` maps the body frame of `b` there. Normals
 //! point from `a` to `b`, positions lie halfway between the surfaces, and only points that touch are reported.
 
+mod active_set;
 mod apart;
 mod clipping;
 mod closest;
@@ -21,6 +22,7 @@ mod spherocylinder_spherocylinder;
 mod tests;
 mod wall;
 
+pub use active_set::PairCache;
 pub use apart::apart_by;
 pub use closest::{Nearest, above_face, closest_on_segment, farthest_face, point_polyhedron, segment_segment};
 pub use manifold::{FeatureKey, MAX_POINTS, Manifold, ManifoldPoint};
@@ -87,24 +89,24 @@ pub fn pair_kind(a: &PartGeometry, b: &PartGeometry) -> (PairKind, bool) {
     }
 }
 
-/// Appends the contact points of two parts to `out`. `hint` is kept per pair from step to step, first 0.
-pub fn collide(a: &Part, b: &Part, b_to_a: &Similarity, hint: &mut u32, out: &mut Manifold) {
+/// Appends the contact points of two parts to `out`. `cache` is kept per pair from step to step.
+pub fn collide(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCache, out: &mut Manifold) {
     let reach = a.radius + b.radius * b_to_a.scale;
     if (b_to_a.point(&b.center) - a.center).norm_squared() > reach * reach {
         return;
     }
     if pair_kind(&a.geometry, &b.geometry).1 {
         let first = out.len();
-        collide_in_order(b, a, &b_to_a.inverse(), hint, out);
+        collide_in_order(b, a, &b_to_a.inverse(), cache, out);
         out.map_from(first, b_to_a);
         out.flip_from(first);
     } else {
-        collide_in_order(a, b, b_to_a, hint, out);
+        collide_in_order(a, b, b_to_a, cache, out);
     }
 }
 
 /// The table of pairs; the other orders come here swapped.
-fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, hint: &mut u32, out: &mut Manifold) {
+fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCache, out: &mut Manifold) {
     use PartGeometry as P;
     let sphere = |center: &Vec3, radius: f64| Sphere { center: *center, radius };
     let capsule = |ends: &[Vec3; 2], radius: f64| Spherocylinder { ends: *ends, radius };
@@ -124,7 +126,7 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, hint: &mut u32, out
         (P::Spherocylinder { ends, radius }, P::Polyhedron(q)) => {
             spherocylinder_polyhedron(&capsule(ends, *radius), q, b_to_a, out);
         }
-        (P::Polyhedron(p), P::Polyhedron(q)) => polyhedron_polyhedron((a, p), (b, q), b_to_a, hint, out),
+        (P::Polyhedron(p), P::Polyhedron(q)) => polyhedron_polyhedron((a, p), (b, q), b_to_a, cache, out),
         _ => unreachable!("collide swaps the other orders"),
     }
 }

@@ -3,11 +3,9 @@
 //! Why not GJK with EPA: on exactly or nearly aligned faces and parallel edges, which settled packings are made of,
 //! 0.1 to 4 % of parry's answers have a wrong normal or depth, and its tolerances are absolute lengths. Here every
 //! tolerance is relative to the pair, and the answer depends on the relative pose alone.
-//!
-//! To come: the motion-bounded active feature set (PHYSICS A.1). It will replace [`Pair::deepest`] by a search over
-//! the features that were within a window of the best at the last full test; the manifold stays as it is.
 
 use super::Manifold;
+use super::active_set::{PairCache, PairSize};
 use super::face_contact::FaceContact;
 use super::separating_axis::{Axis, Pair};
 use crate::math::Similarity;
@@ -15,18 +13,24 @@ use crate::shape::{Part, Polyhedron};
 
 /// The points of a face contact, or of two crossing edges; nothing if the parts are apart.
 ///
-/// `hint` remembers a separating axis from call to call (start with 0). It saves time and never changes the answer.
+/// `cache` remembers features from call to call. It saves time and never changes the answer.
 /// The parts give the sizes (bounding spheres) that the tolerances are relative to.
 pub fn polyhedron_polyhedron(
     (part_a, a): (&Part, &Polyhedron),
     (part_b, b): (&Part, &Polyhedron),
     b_to_a: &Similarity,
-    hint: &mut u32,
+    cache: &mut PairCache,
     out: &mut Manifold,
 ) {
     let (size_a, size_b) = (part_a.radius, part_b.radius * b_to_a.scale);
     let pair = Pair { a, b, b_to_a };
-    let Some(deepest) = pair.deepest(size_a + size_b, hint) else { return };
+    let size = PairSize {
+        smaller: size_a.min(size_b),
+        sum: size_a + size_b,
+        reach_a: part_a.center.norm() + size_a,
+        reach_b: part_b.center.norm() * b_to_a.scale + size_b,
+    };
+    let Some(deepest) = cache.deepest(&pair, &size) else { return };
     if deepest.distance >= 0.0 {
         return;
     }
@@ -35,5 +39,5 @@ pub fn polyhedron_polyhedron(
         Axis::FaceOfA(face) => FaceContact::of_face(&pair, &deepest, face, true, size_b),
         Axis::FaceOfB(face) => FaceContact::of_face(&pair, &deepest, face, false, size_a),
     };
-    contact.push(size_a.min(size_b), out);
+    contact.push(size.smaller, out);
 }

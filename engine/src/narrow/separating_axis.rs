@@ -40,42 +40,7 @@ pub(super) struct Separation {
     pub distance: f64,
 }
 
-impl Axis {
-    const KIND_SHIFT: u32 = 30;
-
-    /// As a hint; never 0, which is "no hint".
-    fn code(self) -> u32 {
-        match self {
-            Self::FaceOfA(f) => (1 << Self::KIND_SHIFT) | f as u32,
-            Self::FaceOfB(f) => (2 << Self::KIND_SHIFT) | f as u32,
-            Self::Edges(e, f) => (3 << Self::KIND_SHIFT) | ((e as u32) << 15) | f as u32,
-        }
-    }
-
-    fn from_code(code: u32) -> Option<Self> {
-        let index = (code & ((1 << Self::KIND_SHIFT) - 1)) as usize;
-        match code >> Self::KIND_SHIFT {
-            1 => Some(Self::FaceOfA(index)),
-            2 => Some(Self::FaceOfB(index)),
-            3 => Some(Self::Edges(index >> 15, index & 0x7fff)),
-            _ => None,
-        }
-    }
-}
-
 impl Pair<'_> {
-    /// The axis of largest separation, or `None` if some axis separates the parts (which `hint` then remembers).
-    ///
-    /// The hint is tried first with the very same arithmetic, so it saves time and never changes an answer.
-    pub fn deepest(&self, size: f64, hint: &mut u32) -> Option<Separation> {
-        if self.separated_by_hint(*hint) {
-            return None;
-        }
-        let found = self.search(size);
-        *hint = if found.distance > 0.0 { found.axis.code() } else { 0 };
-        (found.distance <= 0.0).then_some(found)
-    }
-
     /// Whether some axis separates the parts by more than `gap`: faces first, they are cheap and mostly enough.
     pub fn separated_by(&self, gap: f64) -> bool {
         (0..self.a.faces().len()).any(|f| self.face_of_a(f) > gap)
@@ -86,20 +51,8 @@ impl Pair<'_> {
             })
     }
 
-    fn separated_by_hint(&self, hint: u32) -> bool {
-        match Axis::from_code(hint) {
-            Some(Axis::FaceOfA(f)) => f < self.a.faces().len() && self.face_of_a(f) > 0.0,
-            Some(Axis::FaceOfB(f)) => f < self.b.faces().len() && self.face_of_b(f).1 > 0.0,
-            Some(Axis::Edges(e, f)) => {
-                let known = e < self.a.edges().len() && f < self.b.edges().len();
-                known && self.edge_pair(&self.edge_of_a(e), &self.b.edges()[f], 0.0).is_some()
-            }
-            None => false,
-        }
-    }
-
     /// The deepest axis, or the first that separates.
-    fn search(&self, size: f64) -> Separation {
+    pub fn search(&self, size: f64) -> Separation {
         let mut of_a = (0, f64::MIN);
         for f in 0..self.a.faces().len() {
             let distance = self.face_of_a(f);
@@ -130,15 +83,64 @@ impl Pair<'_> {
         self.search_edges(best, tolerance)
     }
 
+    /// The same among some faces (bits) and edge pairs (edge of `a` times 256 plus edge of `b`) in the order of the full
+    /// search: the same arithmetic, hence the same bits, if the deepest axis is among them.
+    pub fn search_among(&self, faces_a: u32, faces_b: u32, edge_pairs: &[u16], size: f64) -> Separation {
+        let mut best = Separation { axis: Axis::FaceOfA(0), normal: Vec3::zeros(), distance: f64::MIN };
+        for f in bits(faces_a.into()) {
+            let distance = self.face_of_a(f);
+            if distance > best.distance {
+                best = Separation { axis: Axis::FaceOfA(f), normal: self.a.faces()[f].normal, distance };
+            }
+        }
+        let tolerance = FACE_PREFERENCE * size;
+        let mut to_beat = best.distance + tolerance;
+        for f in bits(faces_b.into()) {
+            let (outwards, distance) = self.face_of_b(f);
+            if distance > to_beat {
+                best = Separation { axis: Axis::FaceOfB(f), normal: -outwards, distance };
+                to_beat = distance;
+            }
+        }
+        if best.distance > 0.0 {
+            return best;
+        }
+        let mut to_beat = (best.distance + tolerance).min(0.0);
+        let mut edge = None;
+        for &code in edge_pairs {
+            let (i, j) = (usize::from(code >> 8), usize::from(code & 0xff));
+            let of_a = match &edge {
+                Some((known, of_a)) if *known == i => of_a,
+                _ => &edge.insert((i, self.edge_of_a(i))).1,
+            };
+            if let Some((normal, distance)) = self.edge_pair(of_a, &self.b.edges()[j], to_beat) {
+                best = Separation { axis: Axis::Edges(i, j), normal, distance };
+                if distance > 0.0 {
+                    return best;
+                }
+                to_beat = distance;
+            }
+        }
+        best
+    }
+
+    /// Edges of `a` in the order of the full search.
+    pub fn edges_of_a_in_order(&self) -> impl Iterator<Item = usize> {
+        let in_sets = self.has_few_edges();
+        let sets =
+            self.a.parallel_edges().iter().filter(move |_| in_sets).flat_map(|set| bits(set.along | set.against));
+        sets.chain((0..self.a.edges().len()).filter(move |_| !in_sets))
+    }
+
+    fn has_few_edges(&self) -> bool {
+        let few = |p: &Polyhedron| p.faces().len() <= MOST_FACES && !p.parallel_edges().is_empty();
+        few(self.a) && few(self.b)
+    }
+
     fn search_edges(&self, best: Separation, tolerance: f64) -> Separation {
         // beyond zero every axis counts: touching by less than the tolerance must not hide a gap
         let to_beat = (best.distance + tolerance).min(0.0);
-        let few = |p: &Polyhedron| p.faces().len() <= MOST_FACES && !p.parallel_edges().is_empty();
-        if few(self.a) && few(self.b) {
-            self.search_few_edges(best, to_beat)
-        } else {
-            self.search_all_edges(best, to_beat)
-        }
+        if self.has_few_edges() { self.search_few_edges(best, to_beat) } else { self.search_all_edges(best, to_beat) }
     }
 
     fn search_all_edges(&self, mut best: Separation, mut to_beat: f64) -> Separation {
@@ -196,7 +198,7 @@ impl Pair<'_> {
     }
 
     #[inline]
-    fn face_of_a(&self, face: usize) -> f64 {
+    pub fn face_of_a(&self, face: usize) -> f64 {
         let f = &self.a.faces()[face];
         let along = self.b_to_a.inverse_direction(&f.normal);
         self.b_to_a.scale * lowest(self.b, &along) + (f.normal.dot(&self.b_to_a.translation) - f.offset)
@@ -204,7 +206,7 @@ impl Pair<'_> {
 
     /// Outward normal in the frame of `a`, and separation along it.
     #[inline]
-    fn face_of_b(&self, face: usize) -> (Vec3, f64) {
+    pub fn face_of_b(&self, face: usize) -> (Vec3, f64) {
         let f = &self.b.faces()[face];
         let outwards = self.b_to_a.direction(&f.normal);
         let distance =
@@ -212,7 +214,7 @@ impl Pair<'_> {
         (outwards, distance)
     }
 
-    fn edge_of_a(&self, edge: usize) -> EdgeInB {
+    pub fn edge_of_a(&self, edge: usize) -> EdgeInB {
         let e = &self.a.edges()[edge];
         let normals = e.faces.map(|f| self.b_to_a.inverse_direction(&self.a.faces()[f as usize].normal));
         self.edge_in_b(e, self.b_to_a.inverse_direction(&e.direction), normals)
@@ -294,9 +296,9 @@ impl Signs {
 }
 
 /// An edge of `a` in axes of `b`; lengths stay in the unit of `a`, from the origin of `b`.
-struct EdgeInB {
-    direction: Vec3,
-    normals: [Vec3; 2],
+pub(super) struct EdgeInB {
+    pub direction: Vec3,
+    pub normals: [Vec3; 2],
     start: Vec3,
 }
 

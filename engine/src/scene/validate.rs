@@ -219,10 +219,9 @@ impl Scene {
         smallest
     }
 
-    fn body(&self, shape: usize, mass: f64, smallest_inertia: f64, radius: f64) -> Body {
-        let normal_lever = if self.plan.reaches[shape].is_sphere { 0.0 } else { radius };
+    fn body(&self, shape: usize, mass: f64) -> Body {
         let is_rounded = self.rounded.as_ref().is_some_and(|rounded| rounded.has_core(shape));
-        Body { mass, smallest_inertia, normal_lever, tangential_lever: radius, is_rounded }
+        Body { mass, leverage: self.shapes[shape].leverage(), is_rounded }
     }
 
     /// Each shape of each particle material, at unit scale.
@@ -232,8 +231,7 @@ impl Scene {
             let Some(density) = material.density_kg_per_m3 else { continue };
             for (s, shape) in self.shapes.iter().enumerate() {
                 let properties = shape.mass_properties();
-                let inertia = properties.principal_inertia.min() * density;
-                bodies.push((m, self.body(s, properties.volume * density, inertia, shape.bounding_radius())));
+                bodies.push((m, self.body(s, properties.volume * density)));
             }
         }
         bodies
@@ -249,8 +247,7 @@ impl Scene {
                 *class = Some(particle);
             }
         }
-        let body =
-            |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass, p.inertia.min(), p.radius));
+        let body = |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass));
         lightest.into_iter().flatten().map(body).collect()
     }
 

@@ -8,7 +8,7 @@ use super::polyhedron::Polyhedron;
 use super::union::{OrientedBox, aligned_boxes, lattice};
 use super::{Part, PartGeometry, solids};
 use crate::math::{Mat3, Quat, Similarity, Vec3};
-use crate::narrow::{Manifold, collide};
+use crate::narrow::{Manifold, PairCache, collide};
 
 /// Volume over the cube of the size below which inertia and contacts are rounding.
 const LEAST_VOLUME: f64 = 1e-12;
@@ -191,7 +191,7 @@ fn disjoint(parts: &[Part]) -> bool {
     for (i, a) in parts.iter().enumerate() {
         for b in &parts[i + 1..] {
             manifold.clear();
-            collide(a, b, &Similarity::identity(), &mut 0, &mut manifold);
+            collide(a, b, &Similarity::identity(), &mut PairCache::default(), &mut manifold);
             let limit = GLUED * a.radius.min(b.radius);
             if manifold.points().iter().any(|p| p.overlap > limit) {
                 return false;

@@ -5,6 +5,7 @@ mod description;
 mod error;
 mod hull;
 mod inset;
+mod leverage;
 mod mass;
 mod polyhedron;
 mod solids;
@@ -13,6 +14,7 @@ mod union;
 
 pub use description::{PartDescription, ShapeDescription};
 pub use error::ShapeError;
+pub use leverage::Leverage;
 pub use mass::MassProperties;
 pub(crate) use polyhedron::Parallels;
 pub use polyhedron::{Edge, Face, MAX_EDGES, MAX_FACE_VERTICES, Polyhedron};
@@ -29,6 +31,7 @@ pub struct Shape {
     parts: Vec<Part>,
     mass_properties: MassProperties,
     bounding_radius: f64,
+    leverage: Leverage,
     given_from_body: (Quat, Vec3),
 }
 
@@ -75,7 +78,8 @@ impl Shape {
         let bounding_radius = parts.iter().map(Part::reach).fold(0.0, f64::max);
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(axes);
         let given_from_body = (Quat::from_rotation_matrix(&rotation), center);
-        Ok(Self { parts, mass_properties, bounding_radius, given_from_body })
+        let leverage = Leverage::of(&parts, &mass_properties);
+        Ok(Self { parts, mass_properties, bounding_radius, leverage, given_from_body })
     }
 
     /// Convex parts, in the body frame.
@@ -91,6 +95,11 @@ impl Shape {
     /// Of the sphere about the centre of mass that holds the shape.
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
+    }
+
+    /// What rotation adds to the give of a contact, at its worst place.
+    pub fn leverage(&self) -> Leverage {
+        self.leverage
     }
 
     /// Rotation and translation from the body frame to the frame of the description: `x = rotation * x_body + translation`.

@@ -16,7 +16,9 @@ pub fn cases() -> Vec<Case> {
 
 /// So stiff that overlaps are below 1e-7 of the radius: the closed forms are those of hard spheres.
 const STIFFNESS: f64 = 1e15;
-const STEPS_PER_CONTACT: f64 = 400.0;
+/// A contact that is clipped at zero force ends within a step, which makes the scheme first order (PHYSICS.md A.4):
+/// 2e-3 of e at 400 steps.
+const STEPS_PER_CONTACT: f64 = 1600.0;
 
 /// A ball for hard impacts.
 struct Ball {
@@ -60,8 +62,8 @@ struct Rebound {
 
 /// Chung and Ooi (2011), test 4 with a linear law (PHYSICS.md I4): aluminium oxide, r = 2.5 mm, 3.9 m/s, mu = 0.092,
 /// e = 0.98. Angles from the normal. Sliding from 32.52 deg on: e_t = 1 - mu (1 + e) / tan th,
-/// omega = 2.5 mu (1 + e) v_n / r; with kt = 2/7 kn, without damping, sticking below 17.86 deg gives exactly 3/7.
-/// In between: the ODE of oracles/chung_ooi.py.
+/// omega = 2.5 mu (1 + e) v_n / r. Below: the ODE of oracles/chung_ooi.py with kt = 2/7 kn and no tangential dashpot,
+/// which sticks and gives 3/7 up to about 15 deg.
 fn oblique(checks: &mut Checks) -> anyhow::Result<()> {
     let (ball, mu) = (Ball { radius: 2.5e-3, density: 4000.0 }, 0.092);
     let mut hit = |degrees: f64, law: &str| -> anyhow::Result<(f64, Rebound)> {
@@ -82,8 +84,8 @@ fn oblique(checks: &mut Checks) -> anyhow::Result<()> {
         rows.push((degrees, digits, v_n, rebound));
     }
     let mut sticking = Vec::new();
-    for (degrees, e_t) in [(5.0, 3.0 / 7.0), (15.0, 3.0 / 7.0), (20.0, 0.4997), (25.0, 0.6094)] {
-        let (v_n, rebound) = hit(degrees, "restitution = 1.0")?;
+    for (degrees, e_t) in [(5.0, 3.0 / 7.0), (15.0, 0.4287), (20.0, 0.4997), (25.0, 0.6094)] {
+        let (v_n, rebound) = hit(degrees, "restitution = 0.98\ntangential_damping_ratio = 0.0")?;
         sticking.push((degrees, e_t, rebound.tangential / (v_n * f64::to_radians(degrees).tan())));
     }
     for (degrees, (e_t, spin), v_n, rebound) in rows {
@@ -104,7 +106,7 @@ fn oblique(checks: &mut Checks) -> anyhow::Result<()> {
         checks.close(format!("{degrees} deg: omega, table"), rebound.spin, spin, 5e-3, "rad/s");
     }
     for (degrees, reference, measured) in sticking {
-        checks.close(format!("{degrees} deg, e = 1: e_t"), measured, reference, 5e-3, "-");
+        checks.close(format!("{degrees} deg, sticks at first: e_t"), measured, reference, 5e-3, "-");
     }
     Ok(())
 }

@@ -73,8 +73,8 @@ fn commands(checks: &mut Checks) -> anyhow::Result<()> {
         Command::Insert(InsertionDescription { placement, ..insertion.clone() })
     };
     let good_turn = [1.0, 0.0, 0.0, 0.0];
-    let scaled = |min: f64| {
-        let scale = sturz_engine::scene::ScaleRange { min, max: 1.0 };
+    let scaled = |min: f64, max: f64| {
+        let scale = sturz_engine::scene::ScaleRange { min, max };
         Command::Insert(InsertionDescription { scale, ..insertion.clone() })
     };
     let bad = [
@@ -83,9 +83,9 @@ fn commands(checks: &mut Checks) -> anyhow::Result<()> {
         ("zero quaternion", at([0.0, 0.0, 1.0], [0.0; 4]), "orientations_wxyz[0]"),
         ("quaternion of norm 1.1", at([0.0, 0.0, 1.0], [1.1, 0.0, 0.0, 0.0]), "orientations_wxyz[0]"),
         ("NaN quaternion", at([0.0, 0.0, 1.0], [f64::NAN, 0.0, 0.0, 1.0]), "orientations_wxyz[0]"),
-        ("negative scale", scaled(-1.0), "scale"),
-        ("NaN scale", scaled(f64::NAN), "scale"),
-        ("scale that the time step cannot follow", scaled(1e-6), "insert"),
+        ("negative scale", scaled(-1.0, 1.0), "scale"),
+        ("NaN scale", scaled(f64::NAN, 1.0), "scale"),
+        ("scale that the time step cannot follow", scaled(1e-6, 1e-6), "insert"),
         ("unknown id", Command::Remove(vec![0, 77]), "remove.ids[1]"),
         ("infinite gravity", Command::SetGravity([0.0, f64::INFINITY, 0.0]), "set_gravity"),
     ];

@@ -111,7 +111,8 @@ fn euler_top(checks: &mut Checks) -> anyhow::Result<()> {
     checks.vanishes(
         "reference integration at I = (1, 2, 3)",
         distance(reference([1.0, 2.0, 3.0]).angular_velocity, exact),
-        1e-11,
+        // Rounding grows by exp(20 / sqrt 3) = 1e5 along the separatrix; PHYSICS.md I9 found 2e-11 itself.
+        4e-11,
         "rad/s",
     );
     let own = reference(plate_inertia()?);

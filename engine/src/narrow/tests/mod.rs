@@ -1,6 +1,5 @@
 //! The narrow phase against closed forms and independent brute force.
 
-mod cost;
 mod degenerate;
 mod generic;
 mod oracle;
@@ -8,7 +7,7 @@ mod round;
 mod walls;
 
 use crate::math::{Mat3, Quat, Similarity, Vec3};
-use crate::narrow::{Manifold, collide};
+use crate::narrow::{Manifold, PairCache, collide};
 use crate::shape::{Part, PartGeometry, Polyhedron, Shape, ShapeDescription};
 
 /// A small deterministic generator (SplitMix64): the same cases on every machine.
@@ -100,7 +99,7 @@ pub(super) fn solid(part: &Part) -> &Polyhedron {
 
 pub(super) fn contacts(a: &Part, b: &Part, b_to_a: &Similarity) -> Manifold {
     let mut out = Manifold::default();
-    collide(a, b, b_to_a, &mut 0, &mut out);
+    collide(a, b, b_to_a, &mut PairCache::default(), &mut out);
     out
 }
 

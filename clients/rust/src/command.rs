@@ -1,0 +1,154 @@
+//! What changes the simulation, at once.
+
+use std::time::Duration;
+
+use sturz_protocol::{Request, v1};
+
+use crate::error::ClientError;
+use crate::later::Later;
+use crate::outcome::{Advanced, Applied, Inserted, Removed, Stepped, accepted, read, time_reached_s};
+use crate::request::{Start, Window, vec3};
+use crate::simulation::{Simulation, decode};
+
+/// Commands. Those that the daemon refuses are [`ClientError::Refused`], and leave its state as it was.
+impl Simulation {
+    /// Sends any request, and returns its outcome: what all methods below are made of.
+    ///
+    /// Ids that its header lacks are filled in. After a timeout it is sent once more with the same id, which the
+    /// daemon answers from memory: it is applied once. Without a `timeout` it may take as long as the daemon lives.
+    pub fn command(&self, request: Request, timeout: Option<Duration>) -> Result<v1::Outcome, ClientError> {
+        let request = self.signed(request, None);
+        let outcome = match self.try_command(&request, timeout) {
+            Err(ClientError::Timeout { .. }) => self.try_command(&request, timeout),
+            answered => answered,
+        }?;
+        if request.header().is_none_or(|header| header.at_time_s.is_none()) {
+            self.client.note_time_s(time_reached_s(&outcome));
+        }
+        Ok(outcome)
+    }
+
+    fn try_command(&self, request: &Request, timeout: Option<Duration>) -> Result<v1::Outcome, ClientError> {
+        let question = self.bus.send(&self.bus.keys.command(request.verb()), Some(request.encode()), timeout)?;
+        let answer = self.bus.answer(&question, timeout).map_err(|error| match error {
+            ClientError::Timeout { what, after, .. } => {
+                let request_id = request.header().map(|header| header.request_id.clone());
+                ClientError::Timeout { what, after, request_id }
+            }
+            other => other,
+        })?;
+        accepted(request.verb().name(), decode(&answer)?)
+    }
+
+    /// With a header that says who asks.
+    pub(crate) fn signed(&self, request: Request, at_time_s: Option<f64>) -> Request {
+        let mut header = request.header().cloned().unwrap_or_default();
+        if header.client_id.is_empty() {
+            header.client_id = self.client.id.clone();
+        }
+        if header.request_id.is_empty() {
+            header.request_id = self.client.new_request_id();
+        }
+        header.at_time_s = at_time_s.or(header.at_time_s);
+        request.with_header(header)
+    }
+
+    fn quick(&self, request: Request) -> Result<v1::Outcome, ClientError> {
+        self.command(request, Some(self.patience))
+    }
+
+    /// The same commands, to take effect before the first step that starts at or after a simulated time, s.
+    pub fn later(&self, at_time_s: f64) -> Later<'_> {
+        Later { simulation: self, at_time_s }
+    }
+
+    /// Adds particles: an [`crate::Insertion`], or the message of the wire. Dense random insertion takes its time.
+    pub fn insert(&self, insertion: impl Into<v1::InsertRequest>) -> Result<Inserted, ClientError> {
+        self.command(Request::Insert(insertion.into()), None).and_then(read)
+    }
+
+    /// Removes particles, all or none: every one of `ids` must exist.
+    pub fn remove(&self, ids: impl IntoIterator<Item = u64>) -> Result<Removed, ClientError> {
+        self.quick(remove(ids)).and_then(read)
+    }
+
+    /// Sets the acceleration of gravity, m/s2.
+    pub fn set_gravity(&self, gravity_m_per_s2: [f64; 3]) -> Result<Applied, ClientError> {
+        self.quick(set_gravity(gravity_m_per_s2)).and_then(read)
+    }
+
+    /// Gives a boundary another motion from now on: a [`crate::Motion`], or the message of the wire.
+    pub fn set_motion(&self, boundary: &str, motion: impl Into<v1::Motion>) -> Result<Applied, ClientError> {
+        self.quick(set_motion(boundary, motion.into())).and_then(read)
+    }
+
+    /// Stops stepping, and ends a window in flight early.
+    pub fn pause(&self) -> Result<Applied, ClientError> {
+        self.quick(Request::Pause(v1::PauseRequest { header: None })).and_then(read)
+    }
+
+    /// Lets the simulation step freely, until [`Simulation::pause`].
+    pub fn resume(&self) -> Result<Applied, ClientError> {
+        self.quick(Request::Resume(v1::ResumeRequest { header: None })).and_then(read)
+    }
+
+    /// Does some steps of the nominal time step. The simulation must be paused.
+    pub fn step(&self, steps: u64) -> Result<Stepped, ClientError> {
+        self.command(Request::Step(v1::StepRequest { header: None, steps }), None).and_then(read)
+    }
+
+    /// Advances by exactly one window, and returns what was asked for with it. The simulation must be paused.
+    /// [`Simulation::pause`] from another thread ends it early.
+    pub fn advance(&self, window: Window) -> Result<Advanced, ClientError> {
+        let last_known_s = match (window.start, self.client.last_time_s()) {
+            (Start::LastKnown, None) => self.info()?.sim_time_s,
+            (_, known) => known.unwrap_or_default(),
+        };
+        self.command(Request::Advance(window.into_wire(last_known_s)), None).and_then(read)
+    }
+
+    /// Defines a field, or replaces the one of that name: a [`crate::FieldDefinition`], or the message of the wire.
+    pub fn define_field(&self, definition: impl Into<v1::FieldDefinition>) -> Result<Applied, ClientError> {
+        self.quick(define_field(definition.into())).and_then(read)
+    }
+
+    /// Forgets a field.
+    pub fn drop_field(&self, name: &str) -> Result<Applied, ClientError> {
+        self.quick(drop_field(name)).and_then(read)
+    }
+
+    /// Ends the daemon, and waits until it is gone.
+    pub fn stop(&self) -> Result<(), ClientError> {
+        match self.quick(Request::Stop(v1::StopRequest { header: None })) {
+            // It may be gone before its answer is here, or on its way for another reason.
+            Ok(_) | Err(ClientError::DaemonGone { .. }) => {}
+            Err(ClientError::Refused(refusal)) if refusal.code == v1::ErrorCode::Stopping => {}
+            Err(error) => return Err(error),
+        }
+        if self.bus.watch.wait_until_gone(self.patience) {
+            Ok(())
+        } else {
+            Err(ClientError::Timeout { what: "the end of the daemon".into(), after: self.patience, request_id: None })
+        }
+    }
+}
+
+pub(crate) fn remove(ids: impl IntoIterator<Item = u64>) -> Request {
+    Request::Remove(v1::RemoveRequest { header: None, ids: ids.into_iter().collect() })
+}
+
+pub(crate) fn set_gravity(gravity_m_per_s2: [f64; 3]) -> Request {
+    Request::SetGravity(v1::SetGravityRequest { header: None, gravity_m_per_s2: Some(vec3(gravity_m_per_s2)) })
+}
+
+pub(crate) fn set_motion(boundary: &str, motion: v1::Motion) -> Request {
+    Request::SetMotion(v1::SetMotionRequest { header: None, boundary: boundary.into(), motion: Some(motion) })
+}
+
+pub(crate) fn define_field(definition: v1::FieldDefinition) -> Request {
+    Request::DefineField(v1::DefineFieldRequest { header: None, field: Some(definition) })
+}
+
+pub(crate) fn drop_field(name: &str) -> Request {
+    Request::DropField(v1::DropFieldRequest { header: None, name: name.into() })
+}

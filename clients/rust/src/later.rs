@@ -1,0 +1,99 @@
+//! Commands that take effect at a simulated time.
+
+use std::time::Duration;
+
+use sturz_protocol::{Request, v1};
+
+use crate::bus::Question;
+use crate::command::{define_field, drop_field, remove, set_gravity, set_motion};
+use crate::error::ClientError;
+use crate::outcome::{Applied, Inserted, Kind, Removed, accepted, read};
+use crate::simulation::{Simulation, decode};
+
+/// Commands that take effect before the first step that starts at or after a simulated time.
+///
+/// Each returns as soon as it is on its way, in order with what follows; its [`Pending`] waits for the outcome, which
+/// comes when the simulation has got there: do not wait for it on the thread that is to advance a paused simulation.
+pub struct Later<'s> {
+    pub(crate) simulation: &'s Simulation,
+    pub(crate) at_time_s: f64,
+}
+
+/// A command on its way. Dropping it does not withdraw the command.
+#[must_use = "a refusal is told by `wait` only"]
+pub struct Pending<T> {
+    simulation: Simulation,
+    question: Question,
+    command: &'static str,
+    request_id: String,
+    read: fn(v1::Outcome) -> Result<T, ClientError>,
+}
+
+impl Later<'_> {
+    fn send<K: Kind>(&self, request: Request) -> Result<Pending<K>, ClientError> {
+        let request = self.simulation.signed(request, Some(self.at_time_s));
+        let bus = &self.simulation.bus;
+        let question = bus.send(&bus.keys.command(request.verb()), Some(request.encode()), None)?;
+        let request_id = request.header().map(|header| header.request_id.clone()).unwrap_or_default();
+        let command = request.verb().name();
+        Ok(Pending { simulation: self.simulation.clone(), question, command, request_id, read: read::<K> })
+    }
+
+    /// As [`Simulation::insert`].
+    pub fn insert(&self, insertion: impl Into<v1::InsertRequest>) -> Result<Pending<Inserted>, ClientError> {
+        self.send(Request::Insert(insertion.into()))
+    }
+
+    /// As [`Simulation::remove`].
+    pub fn remove(&self, ids: impl IntoIterator<Item = u64>) -> Result<Pending<Removed>, ClientError> {
+        self.send(remove(ids))
+    }
+
+    /// As [`Simulation::set_gravity`].
+    pub fn set_gravity(&self, gravity_m_per_s2: [f64; 3]) -> Result<Pending<Applied>, ClientError> {
+        self.send(set_gravity(gravity_m_per_s2))
+    }
+
+    /// As [`Simulation::set_motion`].
+    pub fn set_motion(&self, boundary: &str, motion: impl Into<v1::Motion>) -> Result<Pending<Applied>, ClientError> {
+        self.send(set_motion(boundary, motion.into()))
+    }
+
+    /// As [`Simulation::define_field`].
+    pub fn define_field(&self, definition: impl Into<v1::FieldDefinition>) -> Result<Pending<Applied>, ClientError> {
+        self.send(define_field(definition.into()))
+    }
+
+    /// As [`Simulation::drop_field`].
+    pub fn drop_field(&self, name: &str) -> Result<Pending<Applied>, ClientError> {
+        self.send(drop_field(name))
+    }
+}
+
+impl<T> Pending<T> {
+    /// Of the request: what to repeat it with.
+    pub fn request_id(&self) -> &str {
+        &self.request_id
+    }
+
+    /// Waits until it has taken effect, or was refused, for as long as the daemon lives.
+    pub fn wait(self) -> Result<T, ClientError> {
+        self.outcome(None)
+    }
+
+    /// The same for at most `patience`; after [`ClientError::Timeout`] it can be asked again.
+    pub fn wait_for(&self, patience: Duration) -> Result<T, ClientError> {
+        self.outcome(Some(patience)).map_err(|error| match error {
+            ClientError::Timeout { what, after, .. } => {
+                ClientError::Timeout { what, after, request_id: Some(self.request_id.clone()) }
+            }
+            other => other,
+        })
+    }
+
+    fn outcome(&self, patience: Option<Duration>) -> Result<T, ClientError> {
+        let answer = self.simulation.bus.answer(&self.question, patience)?;
+        // The time is not noted: it may be that of long ago by the time this is read.
+        accepted(self.command, decode(&answer)?).and_then(self.read)
+    }
+}

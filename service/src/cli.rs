@@ -1,0 +1,160 @@
+//! The command line as types. What each command does is in [`crate::commands`].
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::config::DEFAULT_LISTEN;
+
+/// What the exit codes mean, for `--help`.
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  something else went wrong
+    2  the command line cannot be used
+    3  the scene cannot be used
+    4  the run failed: a step was refused
+    5  the daemon cannot listen, or its name is taken
+    6  no daemon answers
+  130  a run was interrupted";
+
+/// Granular matter of non-spherical particles, as a service on a message bus.
+#[derive(Debug, Parser)]
+#[command(name = "sturz", version, after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// What to log, as in `info,zenoh=warn`
+    #[arg(long, global = true, env = "STURZ_LOG", default_value = "info,zenoh=error", value_name = "FILTER")]
+    pub log: String,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Serve a scene on the bus until Ctrl-C, SIGTERM or the command `stop`
+    Serve(Serve),
+    /// Run a scene to its end without a bus, and report how good it was
+    Run(Run),
+    /// Tell what a scene needs, its time scales, and every doubt about it
+    Check(Check),
+    /// List the bundled scenes, or print one
+    Scenes(Scenes),
+    /// Show what a running daemon says of itself
+    Inspect(Inspect),
+    /// Print the JSON schema of scene files
+    Schema,
+}
+
+/// Where a scene comes from.
+#[derive(Clone, Debug, Args)]
+pub struct SceneArgument {
+    /// Name of a bundled scene (see `sturz scenes`) or path of a scene file
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+}
+
+/// `sturz serve`
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgument,
+    /// Name on the bus; that of the scene file when absent
+    #[arg(long, env = "STURZ_NAME")]
+    pub name: Option<String>,
+    /// Endpoint to listen on, such as tcp/127.0.0.1:7447, or `auto` for a free loopback port; may be repeated
+    #[arg(long, env = "STURZ_LISTEN", value_name = "ENDPOINT", help_heading = "Bus")]
+    pub listen: Vec<String>,
+    /// Endpoint of a router or another peer to connect to; may be repeated
+    #[arg(long, value_name = "ENDPOINT", help_heading = "Bus")]
+    pub connect: Vec<String>,
+    /// A zenoh configuration file to start from
+    #[arg(long, value_name = "FILE", help_heading = "Bus")]
+    pub config: Option<PathBuf>,
+    /// Allow endpoints that other machines can reach: whoever reaches them can steer
+    #[arg(long, help_heading = "Bus")]
+    pub insecure: bool,
+    /// A TOML file with limits on what clients may ask for
+    #[arg(long, value_name = "FILE", help_heading = "Bus")]
+    pub limits: Option<PathBuf>,
+    /// Threads of the physics
+    #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Wait for commands instead of stepping at once
+    #[arg(long)]
+    pub paused: bool,
+    /// End when standard input does: with whoever started this process
+    #[arg(long)]
+    pub stop_on_stdin_eof: bool,
+    /// Print one line `ready {...}` for programs once clients can connect
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `sturz run`
+#[derive(Debug, Args)]
+pub struct Run {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgument,
+    /// Simulated time at which to end, s; the scene's `[stop] time_s` when absent
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<f64>,
+    /// Threads of the physics
+    #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Print the report as JSON, and no progress
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `sturz check`
+#[derive(Debug, Args)]
+pub struct Check {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgument,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `sturz scenes`
+#[derive(Debug, Args)]
+pub struct Scenes {
+    /// Print this one instead of the list
+    pub name: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `sturz inspect`
+#[derive(Debug, Args)]
+pub struct Inspect {
+    /// Name on the bus; not needed where only one daemon is alive
+    pub name: Option<String>,
+    /// Where the daemon listens
+    #[arg(long, env = "STURZ_ENDPOINT", default_value = DEFAULT_LISTEN, value_name = "ENDPOINT")]
+    pub endpoint: String,
+    /// A zenoh configuration file to start from
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

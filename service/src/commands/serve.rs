@@ -1,0 +1,49 @@
+//! `sturz serve`
+
+use crate::cli;
+use crate::commands::{Failure, runtime};
+use crate::config::{Bus, DEFAULT_LISTEN, Limits};
+use crate::daemon::{self, Options, Ready, ServeError};
+use crate::scenes;
+
+/// Serves a scene until it is told to end.
+pub fn serve(options: cli::Serve) -> Result<(), Failure> {
+    let scene = scenes::load(&options.scene.scene)?;
+    let instance = options.name.unwrap_or_else(|| scenes::instance_name(&options.scene.scene));
+    sturz_protocol::keys::check_name(&instance).map_err(|error| Failure::Usage(format!("--name: {error}")))?;
+    // A configuration file says where to listen, unless the command line does.
+    let listen = if options.listen.is_empty() && options.config.is_none() {
+        vec![DEFAULT_LISTEN.into()]
+    } else {
+        options.listen
+    };
+    let bus = Bus { listen, connect: options.connect, file: options.config };
+    bus.check_exposure(options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
+    let limits = Limits::load(options.limits.as_deref()).map_err(|error| Failure::Usage(format!("{error:#}")))?;
+    let (json, paused) = (options.json, options.paused);
+    let options = Options {
+        instance,
+        bus,
+        limits,
+        threads: options.threads.into(),
+        paused,
+        stop_on_stdin_eof: options.stop_on_stdin_eof,
+    };
+    let ready = |ready: &Ready| announce(ready, paused, json);
+    runtime()?.block_on(daemon::serve(scene, options, ready)).map_err(|error| match error {
+        ServeError::Other(error) => Failure::Other(error),
+        refused => Failure::Bus(refused.to_string()),
+    })
+}
+
+fn announce(ready: &Ready, paused: bool, json: bool) {
+    if json {
+        let text = serde_json::to_string(ready).unwrap_or_default();
+        println!("ready {text}");
+        return;
+    }
+    let state = if paused { "paused: it waits for commands" } else { "running" };
+    println!("{} is served at {}, {state}", ready.instance, ready.endpoint);
+    println!("in Python:  sturz.connect(\"{}\", endpoint=\"{}\")", ready.instance, ready.endpoint);
+    println!("Ctrl-C ends it");
+}

@@ -1,0 +1,38 @@
+//! `sturz`: reads the command line, runs one command, and tells by the exit code how it went.
+
+use std::io::IsTerminal as _;
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use sturz_service::cli::{Arguments, Command};
+use sturz_service::commands::{self, Failure};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    start_log(&arguments.log);
+    let done = match arguments.command {
+        Command::Serve(options) => commands::serve(options),
+        Command::Run(options) => commands::run(&options),
+        Command::Check(options) => commands::check(&options),
+        Command::Scenes(options) => commands::scenes(&options),
+        Command::Inspect(options) => commands::inspect(&options),
+        Command::Schema => commands::schema(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if !matches!(failure, Failure::Reported(_)) {
+                eprintln!("sturz: {failure}");
+            }
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// The log goes to standard error: standard output is for what was asked for.
+fn start_log(filter: &str) {
+    let filter = tracing_subscriber::EnvFilter::try_new(filter).unwrap_or_else(|_| "warn".into());
+    let colours = std::io::stderr().is_terminal();
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    log.with_target(false).with_ansi(colours).init();
+}

@@ -1,0 +1,96 @@
+//! Scenes that come with the program, and scenes from files.
+
+use std::path::Path;
+
+use sturz_engine::scene::{Scene, SceneDescription};
+
+use crate::commands::Failure;
+
+/// A scene that comes with the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Bundled {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The scene file.
+    pub text: &'static str,
+}
+
+macro_rules! bundled {
+    ($($name:literal),* $(,)?) => {
+        /// All of them.
+        pub const BUNDLED: &[Bundled] =
+            &[$(Bundled { name: $name, text: include_str!(concat!("../scenes/", $name, ".toml")) }),*];
+    };
+}
+
+bundled!("bouncing-sphere", "cube-heap", "drum-crosses", "drum-spheres", "pinacoid-layer", "spherocylinder-slope");
+
+impl Bundled {
+    /// The one of a name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        BUNDLED.iter().find(|scene| scene.name == name)
+    }
+
+    /// What the file says.
+    pub fn description(&self) -> Result<SceneDescription, Failure> {
+        SceneDescription::from_toml(self.text).map_err(|error| Failure::Scene(format!("{}: {error}", self.name)))
+    }
+}
+
+/// Reads a bundled scene or a file.
+pub fn read(scene: &str) -> Result<SceneDescription, Failure> {
+    if let Some(bundled) = Bundled::named(scene) {
+        return bundled.description();
+    }
+    let path = Path::new(scene);
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let names: Vec<&str> = BUNDLED.iter().map(|bundled| bundled.name).collect();
+        Failure::Scene(format!("{scene}: {error}. It is no bundled scene either: those are {}", names.join(", ")))
+    })?;
+    SceneDescription::from_toml(&text).map_err(|error| Failure::Scene(format!("{scene}: {}", error.problem)))
+}
+
+/// Reads a scene and proves it usable.
+pub fn load(scene: &str) -> Result<Scene, Failure> {
+    Scene::validate(read(scene)?).map_err(|problems| Failure::Scene(format!("{scene} cannot be used:\n{problems}")))
+}
+
+/// Last part of the name or path, as a name on the bus.
+pub fn instance_name(scene: &str) -> String {
+    let stem = Path::new(scene).file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    stem.chars().take(sturz_protocol::keys::MAX_NAME_BYTES).map(plain).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use sturz_engine::Engine;
+
+    use super::*;
+
+    #[test]
+    fn every_bundled_scene_is_usable_without_doubt_and_runs() {
+        for bundled in BUNDLED {
+            let scene = load(bundled.name).unwrap_or_else(|failure| panic!("{failure}"));
+            assert!(!scene.description().scene.description.is_empty(), "{}: no description", bundled.name);
+            assert_eq!(scene.check().warnings, Vec::<String>::new(), "{}", bundled.name);
+            let mut engine = Engine::new(scene);
+            for _ in 0..200 {
+                engine.step().unwrap_or_else(|failure| panic!("{}: {failure}", bundled.name));
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_scene_is_refused_with_the_names_that_there_are() {
+        let refusal = read("no-such-scene").unwrap_err();
+        assert_eq!(refusal.exit_code(), 3);
+        assert!(refusal.to_string().contains("drum-crosses"));
+    }
+
+    #[test]
+    fn paths_become_names() {
+        assert_eq!(instance_name("folder/my scene.v2.toml"), "my-scene-v2");
+        assert_eq!(instance_name("drum-crosses"), "drum-crosses");
+    }
+}
