@@ -204,7 +204,7 @@ fn overlap_is_never_far_below_the_true_one() {
         let jitter = rotation(random.direction(), 10f64.powf(random.between(-6.0, -1.5)));
         let pose = Similarity { rotation: jitter * pose.rotation, ..pose };
         let truth = deepest(a, b, &pose);
-        if truth < 1e-5 || truth > 1e-2 {
+        if !(1e-5..=1e-2).contains(&truth) {
             continue;
         }
         let ratio = overlap(a, b, &pose, &geometry).value / truth;
