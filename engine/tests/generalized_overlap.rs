@@ -161,6 +161,24 @@ fn overlap_beyond_the_rounding_is_refused() {
     assert!(engine.report().warnings.deep_rounding > 0);
 }
 
+/// Two cubes in one place: the law has no meaning there, and says so; no number breaks.
+#[test]
+fn identical_poses_are_refused_without_nan() {
+    for turn in [[1.0, 0.0, 0.0, 0.0], [0.8, 0.6, 0.0, 0.0]] {
+        let mut text = header([0.0; 3], 1e-4, LAW, "stiffness_n_per_m = 1e6\nrestitution = 0.5\nfriction = 0.5");
+        text += &shape("kind = \"cube\", edge_m = 1.0");
+        text += &format!(
+            "[[insertion]]\nshape = \"s\"\nmaterial = \"m\"\nplacement = {{ method = \"poses\", \
+             positions_m = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], orientations_wxyz = [[1.0, 0.0, 0.0, 0.0], {turn:?}] }}\n"
+        );
+        let mut engine = engine(&text);
+        let error = engine.step().unwrap_err();
+        let refused = matches!(error, StepError::BeyondRounding { .. } | StepError::ExcessiveOverlap { .. });
+        assert!(refused, "{error}");
+        assert!(engine.report().energy.elastic_j.is_finite());
+    }
+}
+
 /// Scenes that cannot be: parameters out of range, a rounding that swallows the shape, a step beyond the critical one.
 #[test]
 fn unusable_scenes_are_refused_with_a_path() {

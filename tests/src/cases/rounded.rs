@@ -1,4 +1,4 @@
-//! The law `generalized_overlap` of polyhedra: LAW1 energy, LAW2 restitution, LAW3 towers.
+//! The law `generalized_overlap` of polyhedra: LAW1 energy, LAW2 restitution, LAW3 towers, LAW4 walls.
 //!
 //! References: the tables of the law's specification, from a prototype of its own (section 3: p = 8, r = 5e-3 of the
 //! size). Tc = pi sqrt(m_red / k) is the duration of a central hit on one point; speeds overlap such a hit by 0.9 r.
@@ -18,6 +18,7 @@ pub fn cases() -> Vec<Case> {
         Case::fast("LAW1", "rounded polyhedra: energy of an elastic hit, by kind of contact", energy_of_elastic_hits),
         Case::slow("LAW1L", "the same with 40 poses of each kind", energy_of_many_elastic_hits),
         Case::fast("LAW2", "rounded polyhedra: restitution as asked", restitution_as_asked),
+        Case::fast("LAW4", "rounded polyhedra at a plane and in a cylinder: energy of an elastic hit", energy_at_walls),
         Case::fast("LAW3", "towers of ten rounded cubes come to rest", towers),
     ]
 }
@@ -88,6 +89,39 @@ fn energy_table(checks: &mut Checks, poses: u64) -> anyhow::Result<()> {
             let (coarse, fine) = (mean(coarse), mean(fine));
             let falls = coarse >= 8.0 * fine || coarse < 3e-4;
             checks.holds(format!("{name}: means {coarse:.1e} at Tc/50 and {fine:.1e} at Tc/200 fall by 8"), falls);
+        }
+    }
+    Ok(())
+}
+
+/// 16 orientations of each shape thrown at a plane and at the inside of a cylinder of radius 3 m, at Tc/200, Tc that of
+/// the wall. Reference worst: plane 2e-4 (cube), 1e-4 (pinacoid), 5e-4 (tetrahedron); cylinder 4e-4 to 5e-4.
+fn energy_at_walls(checks: &mut Checks) -> anyhow::Result<()> {
+    let duration_s = PI / STIFFNESS.sqrt();
+    let speed = 0.9 * ROUNDING * PI / duration_s;
+    for solid in solids()? {
+        for (name, wall) in [
+            ("plane", "kind = \"plane\", point_m = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0]"),
+            (
+                "cylinder",
+                "kind = \"cylinder_inside\", point_m = [0.0, 0.0, 3.0], axis = [0.0, 1.0, 0.0], radius_m = 3.0",
+            ),
+        ] {
+            let mut worst = 0.0f64;
+            for k in 0..16 {
+                let scene = solid.at_wall(&mut Draw(31 * k + 7), speed, duration_s / 200.0, wall);
+                let mut engine = scene.start()?;
+                let (before, mut touched, mut apart) = (kinetic(&engine), false, 0);
+                while apart < 4 && engine.clock().step() < 40_000 {
+                    checks.steps(&mut engine, 50)?;
+                    let touches = engine.report().touching_boundary_pairs > 0;
+                    touched |= touches;
+                    apart = if touches || !touched { 0 } else { apart + 1 };
+                }
+                ensure!(touched && apart == 4, "{} {k} did not hit the {name} or did not leave it", solid.name);
+                worst = worst.max((kinetic(&engine) / before - 1.0).abs());
+            }
+            checks.vanishes(format!("{} at the {name}: worst of 16, Tc/200", solid.name), worst, 1e-3, "-");
         }
     }
     Ok(())

@@ -227,13 +227,31 @@ impl Solid {
         Ok(lateral + Vec3::z() * high)
     }
 
-    /// Two particles of unit mass, k = 1e6 N/m, that close along z at `speed`, without gravity and friction.
-    pub fn scene(&self, poses: &Poses, speed: f64, time_step_s: f64, pair: &str, contact: &str) -> SceneText {
+    /// One particle of unit mass in a random orientation, k = 1e6 N/m, on its way down to a wall at z = 0.
+    pub fn at_wall(&self, draw: &mut Draw, speed: f64, time_step_s: f64, wall: &str) -> SceneText {
+        let q = Quat::from_scaled_axis(draw.direction() * draw.between(0.0, 3.1));
+        self.elastic(time_step_s, "restitution = 1.0", "")
+            .section(&format!("[[boundary]]\nname = \"wall\"\nmaterial = \"w\"\ngeometry = {{ {wall} }}"))
+            .section(&format!(
+                "[[insertion]]\nshape = \"s\"\nmaterial = \"m\"\nvelocity_m_per_s = [0.0, 0.0, {:?}]\n\
+                 placement = {{ method = \"poses\", positions_m = [[0.0, 0.0, 1.0]], orientations_wxyz = [{:?}] }}",
+                -speed,
+                [q.w, q.i, q.j, q.k]
+            ))
+    }
+
+    /// Materials and shape.
+    fn elastic(&self, time_step_s: f64, pair: &str, contact: &str) -> SceneText {
         let section = format!("generalized_overlap = {{ rounding_fraction = {:?}{contact} }}", self.rounding_fraction);
-        let mut scene = SceneText::new([0.0; 3], &format!("time_step_s = {time_step_s:?}"))
+        SceneText::new([0.0; 3], &format!("time_step_s = {time_step_s:?}"))
             .contact(&format!("normal = \"generalized_overlap\"\ncontact_end = \"tension\"\n{section}"))
             .materials(1.0 / self.volume, &format!("stiffness_n_per_m = 1e6\n{pair}"))
-            .shape(&self.geometry);
+            .shape(&self.geometry)
+    }
+
+    /// Two particles of unit mass, k = 1e6 N/m, that close along z at `speed`, without gravity and friction.
+    pub fn scene(&self, poses: &Poses, speed: f64, time_step_s: f64, pair: &str, contact: &str) -> SceneText {
+        let mut scene = self.elastic(time_step_s, pair, contact);
         for k in 0..2 {
             let q = poses.orientation[k];
             let x: [f64; 3] = poses.position[k].into();
