@@ -219,7 +219,7 @@ impl Boundary {
         let local = self.rotation.tr_mul(&(x - self.point));
         match self.shape {
             WallShape::Plane => local.z,
-            WallShape::CylinderInside(radius) => radius - local.x.hypot(local.y),
+            WallShape::CylinderInside(radius) => radius - (local.x * local.x + local.y * local.y).sqrt(),
         }
     }
 

@@ -222,8 +222,10 @@ impl Engine {
         if springs.is_empty() && scene.plan().history {
             springs = self.contacts.springs(&self.particles);
         }
+        self.contacts.take_caches(&self.particles);
         let slots = self.neighbours.rebuild(&mut self.particles, &inputs);
         self.contacts.reset(slots.into_iter());
+        self.contacts.give_caches(&self.particles);
         self.contacts.restore_springs(&springs, &self.particles);
     }
 

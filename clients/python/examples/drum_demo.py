@@ -84,7 +84,7 @@ def simulation_material(info: sturz.Info) -> str:
 def tilted(gravity_m_per_s2: np.ndarray, axis: np.ndarray, angle_deg: float) -> np.ndarray:
     """Gravity turned about an axis of unit length that is perpendicular to it."""
     angle = np.deg2rad(angle_deg)
-    return np.cos(angle) * gravity_m_per_s2 + np.sin(angle) * np.cross(axis, gravity_m_per_s2)
+    return np.asarray(np.cos(angle) * gravity_m_per_s2 + np.sin(angle) * np.cross(axis, gravity_m_per_s2))
 
 
 def energy_table(energy: sturz.EnergyBalance) -> str:

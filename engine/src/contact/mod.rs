@@ -1,5 +1,6 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
+mod carry;
 mod evaluate;
 mod evaluate_overlap;
 mod find;

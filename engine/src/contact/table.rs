@@ -1,5 +1,6 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
+use super::carry::CarriedCaches;
 use super::overlap::OverlapChunk;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
@@ -177,6 +178,8 @@ pub struct ContactTable {
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
     pub chunks: Vec<ContactChunk>,
+    /// Scratch of a rebuild.
+    pub carried: CarriedCaches,
 }
 
 impl ContactTable {

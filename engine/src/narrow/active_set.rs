@@ -73,6 +73,11 @@ pub(super) struct PairSize {
 }
 
 impl PairCache {
+    /// Whether there is anything to carry over a rebuild of the neighbour list.
+    pub fn knows_something(&self) -> bool {
+        self.knowledge != Knowledge::Nothing
+    }
+
     /// Bound on the motion since the full test.
     fn motion(&self, b_to_a: &Similarity) -> f64 {
         let turned = (b_to_a.rotation - self.rotation).norm_squared() * 0.5;
@@ -145,14 +150,21 @@ impl PairCache {
         for i in pair.edges_of_a_in_order() {
             let edge = pair.edge_of_a(i);
             let ends = pair.segment_of_a(i);
+            let (middle, half) = middle_and_half(&ends);
             for (j, other) in pair.b.edges().iter().enumerate() {
                 if !pair.may_cross(&edge, other, turn) {
                     continue;
                 }
-                let (x, y) = segment_segment(&ends, &pair.segment_of_b(other));
+                let other = pair.segment_of_b(other);
+                let (other_middle, other_half) = middle_and_half(&other);
+                let beyond = closest + self.window * (1.0 + SLACK) - self.separation.min(0.0);
+                if (other_middle - middle).norm() - half - other_half > beyond / pair.b_to_a.scale {
+                    continue;
+                }
+                let (x, y) = segment_segment(&ends, &other);
                 let distance = (y - x).norm() * pair.b_to_a.scale;
                 closest = closest.min(distance);
-                if distance > closest + self.window * (1.0 + SLACK) - self.separation.min(0.0) {
+                if distance > beyond {
                     // Beyond the bound below, whichever it will be.
                     continue;
                 }
@@ -177,6 +189,10 @@ impl PairCache {
         }
         self.knowledge = Knowledge::Active;
     }
+}
+
+fn middle_and_half(ends: &[Vec3; 2]) -> (Vec3, f64) {
+    ((ends[0] + ends[1]) * 0.5, 0.5 * (ends[1] - ends[0]).norm())
 }
 
 impl Pair<'_> {

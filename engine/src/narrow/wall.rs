@@ -25,11 +25,11 @@ pub fn part_plane(part: &Part, body_to_wall: &Similarity, out: &mut Manifold) {
 /// Contacts with the inside of the cylinder about z, free where the distance from z is below `cylinder_radius`.
 pub fn part_cylinder(part: &Part, body_to_wall: &Similarity, cylinder_radius: f64, out: &mut Manifold) {
     let center = body_to_wall.point(&part.center);
-    if center.x.hypot(center.y) + part.radius * body_to_wall.scale < cylinder_radius {
+    if (center.x * center.x + center.y * center.y).sqrt() + part.radius * body_to_wall.scale < cylinder_radius {
         return;
     }
     each_ball(part, body_to_wall, |center, radius, feature| {
-        let rho = center.x.hypot(center.y);
+        let rho = (center.x * center.x + center.y * center.y).sqrt();
         let overlap = rho + radius - cylinder_radius;
         if overlap > 0.0 {
             // on the axis all directions are equally near: x, so that the answer is finite and repeatable

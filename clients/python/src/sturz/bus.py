@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import queue
 import threading
@@ -17,6 +18,8 @@ from .errors import CommandError, DaemonGone, ErrorCode, NoAnswer, NotConnected,
 
 # Longer than any run; zenoh wants a number.
 _NO_LIMIT_S = 1e7
+_LAST_WORDS_S = 0.2
+_LET_GO_S = 2.0
 _GONE = "gone"
 _END = "end"
 
@@ -54,10 +57,15 @@ class Bus:
         self._waiting: set[queue.SimpleQueue[Any]] = set()
         self._on_end: list[Callable[[bool], None]] = []
         self._alive = threading.Event()
+        self._farewell: threading.Timer | None = None
+        self._callbacks = 0
+        self._let_go = threading.Condition()
         self.gone = False
         self.closed = False
         self._session = _open(endpoint, timeout_s)
-        self._watch = self._session.liveliness().declare_subscriber(f"{self.root}/alive", self._heard, history=True)
+        atexit.register(self.close)
+        alive = f"{self.root}/alive"
+        self._watch = self._session.liveliness().declare_subscriber(alive, self._callback(self._heard), history=True)
         if not self._alive.wait(timeout_s):
             others = self._instances()
             self.close()
@@ -68,11 +76,34 @@ class Bus:
         replies = self._session.liveliness().get("sturz/v1/*/alive", timeout=2.0)
         return sorted(str(reply.ok.key_expr).split("/")[2] for reply in replies if reply.ok is not None)
 
+    def _callback(self, function: Callable[[Any], None], end: Callable[[], None] | None = None) -> Any:
+        """For zenoh: `function` with everything that comes, on a thread of the bus, so it only enqueues; then `end`.
+
+        Zenoh's other kind of callback has a thread that keeps the interpreter from ending while a stream is open.
+        """
+
+        def let_go() -> None:
+            if end is not None:
+                end()
+            with self._let_go:
+                self._callbacks -= 1
+                self._let_go.notify_all()
+
+        with self._let_go:
+            self._callbacks += 1
+        return zenoh.handlers.Callback(function, let_go, indirect=False)
+
     def _heard(self, sample: zenoh.Sample) -> None:
         if sample.kind == zenoh.SampleKind.PUT:
             self._alive.set()
-        else:
-            self.mark_gone()
+            return
+        with self._lock:
+            if self.closed or self._farewell is not None:
+                return
+            # The loss overtakes the last answers and events of a daemon that ends in good order: they come first.
+            self._farewell = threading.Timer(_LAST_WORDS_S, self.mark_gone)
+            self._farewell.daemon = True
+            self._farewell.start()
 
     def mark_gone(self) -> None:
         """Wakes whoever waits: nobody will answer any more."""
@@ -93,11 +124,22 @@ class Bus:
                 return
             self.closed = True
             waiting, listeners = list(self._waiting), list(self._on_end)
+            farewell, self._farewell = self._farewell, None
+        atexit.unregister(self.close)
+        if farewell is not None:
+            # A thread that is the last to know this object frees what belongs to the bus, and doing so while the
+            # interpreter ends aborts the process.
+            farewell.cancel()
+            farewell.join()
         for answers in waiting:
             answers.put(_GONE)
         for listener in listeners:
             listener(False)
         self._session.close()  # type: ignore[no-untyped-call]
+        # A thread of the bus that calls into an interpreter that is ending aborts the process.
+        with self._let_go:
+            self._let_go.wait_for(lambda: self._callbacks == 0, _LET_GO_S)
+        del self._watch
 
     def check(self) -> None:
         """Raises when there is nobody to talk to."""
@@ -129,7 +171,7 @@ class Bus:
             deadline = None if timeout_s is None else time.monotonic() + timeout_s
             self._session.get(
                 f"{self.root}/{key}",
-                zenoh.handlers.Callback(answers.put, lambda: answers.put(_END), indirect=False),
+                self._callback(answers.put, lambda: answers.put(_END)),
                 payload=payload,
                 timeout=_NO_LIMIT_S if timeout_s is None else timeout_s + 5.0,
                 consolidation=zenoh.ConsolidationMode.NONE,
@@ -156,7 +198,7 @@ class Bus:
             while not self.gone and time.monotonic() < end:
                 time.sleep(0.01)
             self.check()
-            raise NoAnswer(f"{key}: the daemon gave no answer (an unknown key, or no right to ask)")
+            raise NoAnswer(f"{key}: the daemon gave no answer: it does not know the key, is flooded, or denies access")
         if answer is _GONE:
             self.check()
             raise DaemonGone(f"{key}: the daemon ended before it answered")
@@ -172,16 +214,17 @@ class Bus:
             receive(bytes(sample.payload.to_bytes()))
 
         self.check()
+        callback = self._callback(take)
         if history:
             events = zenoh.ext.declare_advanced_subscriber(
                 self._session,
                 expression,
-                zenoh.handlers.Callback(take),
+                callback,
                 history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
                 recovery=zenoh.ext.RecoveryConfig(heartbeat=True),  # type: ignore[call-arg]
             )
             return events.undeclare
-        return self._session.declare_subscriber(expression, zenoh.handlers.Callback(take)).undeclare
+        return self._session.declare_subscriber(expression, callback).undeclare
 
     def when_ended(self, listener: Callable[[bool], None]) -> Callable[[], None]:
         """Calls `listener(gone)` once when the daemon is gone or the session is closed; returns how to stop that."""

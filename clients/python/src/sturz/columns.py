@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._proto.sturz.v1 import data_pb2 as pb
 from .errors import ProtocolError
 
-DTYPES: dict[int, np.dtype[Any]] = {
+DTYPES: dict[pb.DataType, np.dtype[Any]] = {
     pb.DATA_TYPE_F64: np.dtype("<f8"),
     pb.DATA_TYPE_F32: np.dtype("<f4"),
     pb.DATA_TYPE_U64: np.dtype("<u8"),
@@ -39,7 +39,7 @@ def decode(column: pb.Column, rows: int | None = None) -> NDArray[Any]:
 
 
 def encode(
-    name: str, values: ArrayLike, *, components: int, unit: str = "", dtype: int = pb.DATA_TYPE_F64
+    name: str, values: ArrayLike, *, components: int, unit: str = "", dtype: pb.DataType = pb.DATA_TYPE_F64
 ) -> pb.Column:
     """Column from an array of shape (rows,) for one component, else (rows, components).
 

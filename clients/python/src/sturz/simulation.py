@@ -36,6 +36,11 @@ FloatType = Literal["f64", "f32"]
 T = TypeVar("T")
 
 
+def _stop_reason(number: int) -> StopReason:
+    """By name; a newer daemon may know more."""
+    return _STOP_REASONS[number] if number < len(_STOP_REASONS) else "unspecified"
+
+
 @dataclass(frozen=True)
 class Box:
     """Axis-aligned box for random insertion; particles lie wholly inside.
@@ -193,6 +198,12 @@ class Simulation:
         """The daemon that `launch` started; None after `connect`."""
         return self._daemon
 
+    def _reached(self, time_s: float) -> None:
+        """Notes where the simulation is. Answers come here out of order from several threads; time never goes back."""
+        with self._lock:
+            if self._time_s is None or time_s > self._time_s:
+                self._time_s = time_s
+
     # Questions.
 
     def _ask(self, key: str) -> bytes:
@@ -201,7 +212,7 @@ class Simulation:
     def info(self) -> Info:
         """What this simulation is, and where it stands."""
         info = Info.from_message(status_pb2.Info.FromString(self._ask("info")))
-        self._time_s = info.time_s
+        self._reached(info.time_s)
         return info
 
     def features(self) -> Features:
@@ -228,7 +239,7 @@ class Simulation:
             columns: names such as ``positions`` (see `Features.columns`); all when absent. Ids are always there.
             float_type: of floating-point columns.
         """
-        names = "|".join(columns) if columns is not None else "all"
+        names = "all" if columns is None else "|".join(["ids", *columns])
         answer = self._ask(f"state/latest?columns={names};float={float_type}")
         return State.from_message(data_pb2.Frame.FromString(answer))
 
@@ -279,7 +290,7 @@ class Simulation:
             raise CommandError(
                 code=ErrorCode(error.code), path=error.path, message=error.message, command=verb, step=outcome.step
             )
-        self._time_s = outcome.sim_time_s
+        self._reached(outcome.sim_time_s)
         return outcome
 
     def _quick(self, verb: str, request: Any) -> pb.Outcome:
@@ -442,7 +453,10 @@ class Simulation:
 
     def remove(self, *, ids: ArrayLike) -> int:
         """Removes particles, all or none: every one of `ids` must exist. Returns how many."""
-        request = pb.RemoveRequest(ids=np.asarray(ids, dtype=np.uint64).ravel().tolist())
+        numbers = np.atleast_1d(np.asarray(ids))
+        if numbers.size and (numbers.dtype.kind not in "iu" or numbers.min() < 0):
+            raise ValueError(f"ids are {numbers.dtype}: whole numbers from 0 are needed")
+        request = pb.RemoveRequest(ids=numbers.ravel().tolist())
         return int(self._quick("remove", request).removed.count)
 
     def set_gravity(self, *, gravity_m_per_s2: ArrayLike) -> None:
@@ -504,8 +518,8 @@ class Simulation:
         """Does some steps of the nominal time step. The simulation must be paused."""
         with self._paused_by_interrupt():
             message = self.command("step", pb.StepRequest(steps=steps)).stepped
-        self._time_s = message.time_reached_s
-        return Stepped(message.time_reached_s, message.step, message.steps_done, _STOP_REASONS[message.stop_reason])
+        self._reached(message.time_reached_s)
+        return Stepped(message.time_reached_s, message.step, message.steps_done, _stop_reason(message.stop_reason))
 
     def advance(
         self,
@@ -544,12 +558,12 @@ class Simulation:
         request = pb.AdvanceRequest(from_time_s=start, window_s=window_s, outputs=outputs)
         with self._paused_by_interrupt(), self._bar(start, window_s, label if wanted(progress) else None):
             message = self.command("advance", request).advanced
-            self._time_s = message.time_reached_s
+            self._reached(message.time_reached_s)
         return Advanced(
             time_reached_s=message.time_reached_s,
             step=message.step,
             steps_done=message.steps_done,
-            stop_reason=_STOP_REASONS[message.stop_reason],
+            stop_reason=_stop_reason(message.stop_reason),
             window_steps=message.window_steps,
             state=State.from_message(message.frame) if message.HasField("frame") else None,
             fields={frame.name: Field.from_message(frame) for frame in message.fields},
@@ -625,6 +639,13 @@ class Simulation:
         stream.at_close(self._bus.subscribe(key, stream.receive, history=history))
         with self._lock:
             self._streams.append(stream)
+
+        def forget() -> None:
+            with self._lock:
+                if stream in self._streams:
+                    self._streams.remove(stream)
+
+        stream.at_close(forget)
 
     def states(self, *, keep: int = 4) -> Stream[State]:
         """States as the daemon publishes them. A reader that is slow loses all but the newest `keep`."""

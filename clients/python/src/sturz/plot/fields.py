@@ -116,7 +116,7 @@ def field_plot(
         log: colours by the logarithm; for the granular temperature when absent.
         colour_map: of matplotlib.
         title: above the plot.
-        note: a line in the lower left, such as how it was averaged.
+        note: above the plot instead of the time, such as how it was averaged.
         width_in: of the plot, inches.
         dpi: pixels per inch.
 
@@ -135,11 +135,16 @@ def field_plot(
     use_log = quantity == "granular_temperature" if log is None else log
     if not np.any(masked[np.isfinite(masked)] > 0):
         use_log = False
-    colours = matplotlib.colormaps[colour_map or _COLOUR_MAPS.get(quantity, "viridis")].copy()
-    colours.set_bad((0, 0, 0, 0))
+    colours = matplotlib.colormaps[colour_map or _COLOUR_MAPS.get(quantity, "viridis")]
+    colours = colours.with_extremes(bad=(0, 0, 0, 0))
     extent = [field.grid.min_m[first], field.grid.max_m[first], field.grid.min_m[second], field.grid.max_m[second]]
     extent = [value * 1e3 for value in extent]
     aspect = (extent[3] - extent[2]) / (extent[1] - extent[0])
+    norm = _norm(masked, limits, use_log)
+    if use_log:
+        # Zero has no logarithm, and where there is but one particle rounding alone tells it from a tiny number: both
+        # have the lowest colour.
+        masked = np.where(shown, np.maximum(masked, 0.5 * float(norm.vmin or 0.0)), np.nan)
     with look():
         figure = new_figure(width_in, (width_in - 1.6) * aspect + 0.9, dpi)
         axes = figure.add_subplot()
@@ -149,7 +154,7 @@ def field_plot(
                 clip = _draw_drum(axes, boundary, first, second)
                 shown &= _inside(field, boundary, first, second)
         image = axes.imshow(
-            masked.T, origin="lower", extent=extent, cmap=colours, norm=_norm(masked, limits, use_log),
+            masked.T, origin="lower", extent=extent, cmap=colours, norm=norm,
             interpolation="nearest", zorder=2,
         )  # fmt: skip
         if clip is not None:
@@ -168,13 +173,12 @@ def field_plot(
         axes.set_ylabel(f"{'xyz'[second]} (mm)")
         axes.spines[["top", "right"]].set_visible(False)
         axes.set_title(title if title is not None else name)
-        axes.set_title(f"t = {field.time_s:.3f} s", loc="right", fontweight="normal")
+        axes.set_title(note if note is not None else f"t = {field.time_s:.3f} s", loc="right", fontweight="normal")
         bar = figure.colorbar(image, ax=axes, shrink=0.8, aspect=28, pad=0.02, extend=_extend(masked, image.norm))
         bar.set_label(label)
         bar.outline.set_linewidth(0.5)
-        width_note = f"kernel width {field.width_m * 1e3:.3g} mm"
         axes.text(
-            0.01, 0.01, f"{width_note}\n{note}" if note else width_note, transform=axes.transAxes, fontsize=7,
+            0.01, 0.01, f"kernel width {field.width_m * 1e3:.3g} mm", transform=axes.transAxes, fontsize=7,
             va="bottom", ha="left", zorder=5,
         )  # fmt: skip
         if path is not None:
