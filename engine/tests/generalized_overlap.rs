@@ -75,9 +75,7 @@ fn restitution(pair: &str, contact: &str, orientations: [[f64; 4]; 2], distance:
 /// Aligned faces, and a corner (rounded: its tip recedes by (sqrt 3 - 1) r) on a face: e as asked at Tc/200.
 #[test]
 fn restitution_is_that_of_the_scene() {
-    let half = (0.5 * (1.0 / 3f64.sqrt()).acos()).sin_cos();
-    let (s, c) = (half.0 / 2f64.sqrt(), half.1);
-    let corner = [[1.0, 0.0, 0.0, 0.0], diagonal_along_x(s, c)];
+    let corner = [[1.0, 0.0, 0.0, 0.0], corner_along_x()];
     let reach = 0.5 + 3f64.sqrt() * (0.5 - 5e-3) + 5e-3;
     for exponent in ["", "\n[contact.generalized_overlap]\nexponent = 1.5"] {
         for e in [0.9, 0.5] {
@@ -93,24 +91,16 @@ fn restitution_is_that_of_the_scene() {
         let clipped = format!("normal = \"generalized_overlap\"\ncontact_end = \"clip\"{exponent}");
         let (face, residual) = restitution("restitution = 0.5", &clipped, [[1.0, 0.0, 0.0, 0.0]; 2], 1.0001);
         assert!((face - 0.5).abs() < 0.01 && residual.abs() < 0.01, "clip: {face} {residual}");
-        let (raw, _) = restitution("damping_n_s_per_m = 0.0", &contact_of(exponent), corner, reach + 1e-4);
+        let (raw, _) = restitution("damping_n_s_per_m = 0.0", &format!("{LAW}{exponent}"), corner, reach + 1e-4);
         assert!((raw - 1.0).abs() < 1e-4, "no dashpot: {raw}");
     }
 }
 
-fn contact_of(exponent: &str) -> String {
-    format!("{LAW}{exponent}")
-}
-
-/// Quaternion that turns the diagonal (1, 1, 1) into -x.
-fn diagonal_along_x(_: f64, _: f64) -> [f64; 4] {
-    let diagonal = [1.0 / 3f64.sqrt(); 3];
-    // from diagonal to -x: axis diagonal x (-x) = (0, -d, d), angle with cosine -1/sqrt 3
-    let angle = (-1.0 / 3f64.sqrt()).acos();
-    let (s, c) = (0.5 * angle).sin_cos();
-    let axis = [0.0, -diagonal[2], diagonal[1]];
-    let norm = (axis[1] * axis[1] + axis[2] * axis[2]).sqrt();
-    [c, 0.0, axis[1] / norm * s, axis[2] / norm * s]
+/// Quaternion that turns the diagonal (1, 1, 1) into -x: about (0, -1, 1), by the angle of cosine -1/sqrt 3.
+fn corner_along_x() -> [f64; 4] {
+    let (sine, cosine) = (0.5 * (-1.0 / 3f64.sqrt()).acos()).sin_cos();
+    let part = sine / 2f64.sqrt();
+    [cosine, 0.0, -part, part]
 }
 
 /// Two aligned cubes hit squarely: no rotation beyond rounding.
