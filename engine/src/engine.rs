@@ -7,7 +7,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::boundary::Boundary;
 use crate::broad::{NeighbourInputs, Neighbours};
 use crate::clock::Clock;
-use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SlotKind, SpringRecord, Sums};
+use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, Sums};
 use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
 use crate::gather::gather;
@@ -42,6 +42,9 @@ pub struct Engine {
 
 /// Overlap over the smaller bounding radius that counts as large.
 const LARGE_OVERLAP: f64 = 0.1;
+/// Generalized overlap over the mean rounding radius that counts as deep, and at which the law ends.
+const DEEP_ROUNDING: f64 = 1.5;
+const END_OF_ROUNDING: f64 = 2.0;
 /// Displacement in one step over the bounding radius that counts as fast.
 const FAST: f64 = 0.1;
 
@@ -206,6 +209,7 @@ impl Engine {
             shapes: scene.shapes(),
             reaches: &scene.plan().reaches,
             boundaries: &self.boundaries,
+            rounded: scene.rounded().is_some(),
             cell: scene.cell(),
             skin_fraction: scene.plan().skin_fraction,
             time_s,
@@ -230,6 +234,7 @@ impl Engine {
             particles: &self.particles,
             shapes: self.scene.shapes(),
             boundaries: &self.boundaries,
+            rounded: self.scene.rounded(),
             sharing: self.scene.description().contact.sharing,
             history: self.scene.plan().history,
         };
@@ -250,6 +255,7 @@ impl Engine {
             pairs: self.scene.pairs(),
             contact_end: section.contact_end,
             tangential: section.tangential,
+            rounded: self.scene.rounded(),
             stretch_time_s,
         };
         contact::evaluate_forces(&mut self.contacts, &inputs);
@@ -292,15 +298,29 @@ impl Engine {
         self.largest_ratio_so_far = self.largest_ratio_so_far.max(ratio);
         self.warnings.large_overlap += u64::from(ratio > LARGE_OVERLAP);
         let limit = self.scene.description().contact.overlap_limit;
-        if ratio <= limit {
-            return Ok(());
+        let step = self.clock.step();
+        if ratio > limit {
+            let (a, b) = self.sides(self.sums.largest_slot);
+            return Err(StepError::ExcessiveOverlap { a, b, ratio, limit, step });
         }
-        let slot = self.contacts.slots[self.sums.largest_slot as usize];
+        let ratio = self.sums.largest_rounding;
+        self.warnings.deep_rounding += u64::from(ratio > DEEP_ROUNDING);
+        if ratio >= END_OF_ROUNDING {
+            let (a, b) = self.sides(self.sums.rounding_slot);
+            return Err(StepError::BeyondRounding { a, b, ratio, limit: END_OF_ROUNDING, step });
+        }
+        Ok(())
+    }
+
+    /// The two sides of a slot, for errors.
+    fn sides(&self, slot: u32) -> (u64, String) {
+        let slot = self.contacts.slots[slot as usize];
         let particles = &self.particles;
-        let b = match slot.kind {
-            SlotKind::Wall => format!("boundary \"{}\"", self.boundaries[slot.b as usize].name),
-            _ => format!("particle {}", particles.ids[particles.owner(slot.b as usize)]),
+        let b = if slot.kind.is_wall() {
+            format!("boundary \"{}\"", self.boundaries[slot.b as usize].name)
+        } else {
+            format!("particle {}", particles.ids[particles.owner(slot.b as usize)])
         };
-        Err(StepError::ExcessiveOverlap { a: particles.ids[slot.a as usize], b, ratio, limit, step: self.clock.step() })
+        (particles.ids[slot.a as usize], b)
     }
 }

@@ -53,6 +53,22 @@ pub enum StepError {
         /// The step.
         step: u64,
     },
+    /// Two rounded polyhedra overlap by more than the rounding: the law ends there.
+    #[error(
+        "particle {a} overlaps {b} by a generalized overlap of {ratio:.2} rounding radii at step {step} (limit {limit}): raise stiffness_n_per_m or contact.generalized_overlap.rounding_fraction, or reduce time_step_s"
+    )]
+    BeyondRounding {
+        /// The particle.
+        a: u64,
+        /// What it overlaps: `particle 12` or `boundary "floor"`.
+        b: String,
+        /// Overlap over the mean rounding radius.
+        ratio: f64,
+        /// Where the law ends.
+        limit: f64,
+        /// The step.
+        step: u64,
+    },
     /// The run failed earlier and must not go on.
     #[error("the run stopped at step {step}: {reason}")]
     Stopped {

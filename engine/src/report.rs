@@ -32,6 +32,8 @@ pub struct WarningCounts {
     pub rotation_not_converged: u64,
     /// Steps with an overlap above a tenth of the smaller bounding radius: raise the stiffness.
     pub large_overlap: u64,
+    /// Steps with a generalized overlap above 1.5 rounding radii: raise the stiffness or the rounding fraction.
+    pub deep_rounding: u64,
     /// Steps in which a particle moved by more than a tenth of its bounding radius: reduce the time step.
     pub fast_particle: u64,
 }
@@ -65,7 +67,9 @@ pub struct Report {
     pub largest_overlap_m: f64,
     /// Largest overlap over the smaller bounding radius, now.
     pub largest_overlap_ratio: f64,
-    /// The same, since the start.
+    /// Largest generalized overlap over the mean rounding radius of the pair, now; 0 with another normal law.
+    pub largest_overlap_over_rounding: f64,
+    /// Largest overlap over the smaller bounding radius, since the start.
     pub largest_overlap_ratio_so_far: f64,
     /// Time step in use.
     pub time_step_s: f64,

@@ -2,7 +2,6 @@
 
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::contact::SlotKind;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::fields::{self, FieldDefinition, FieldFrame, FieldSample};
@@ -68,7 +67,7 @@ impl Engine {
             .slots
             .iter()
             .zip(&table.wrenches)
-            .filter(|(slot, wrench)| slot.kind == SlotKind::Wall && wrench.points > 0)
+            .filter(|(slot, wrench)| slot.kind.is_wall() && wrench.points > 0)
             .map(|(slot, wrench)| ((slot.a as usize, slot.b as usize), wrench))
     }
 
@@ -94,6 +93,7 @@ impl Engine {
             internal_force_residual_n: (total - from_walls).norm(),
             largest_overlap_m: self.sums.largest_overlap,
             largest_overlap_ratio: self.sums.largest_ratio,
+            largest_overlap_over_rounding: self.sums.largest_rounding,
             largest_overlap_ratio_so_far: self.largest_ratio_so_far,
             time_step_s: self.clock.time_step_s(),
             critical_time_step_s: bounds.map_or(f64::INFINITY, |b| b.critical_time_step_s),
@@ -132,9 +132,10 @@ impl Engine {
                 continue;
             }
             last = Some(key);
-            match slot.kind {
-                SlotKind::Wall => walls += 1,
-                _ => pairs += 1,
+            if slot.kind.is_wall() {
+                walls += 1;
+            } else {
+                pairs += 1;
             }
         }
         (pairs, walls)

@@ -1,10 +1,10 @@
 //! The benchmark program on a few dozen particles: every workload settles, is measured, and says how good it was.
 
-use sturz_tests::bench::{Plan, Size, Workload, measure, settled};
+use sturz_tests::bench::{NormalLaw, Plan, Size, Workload, measure, settled};
 
 #[test]
 fn every_workload_runs_small() {
-    let plan = Plan { threads: 2, steps: 20, blocks: 5, warm_up: 20 };
+    let plan = Plan { threads: 2, steps: 20, blocks: 5, normal: NormalLaw::Linear, warm_up: 20 };
     for name in Workload::NAMES {
         let workload = Workload::named(name, Size::Small).unwrap();
         let bed = settled(&workload, 2, &mut |_| {}).unwrap();

@@ -9,7 +9,7 @@ use crate::contact::{Slot, SlotKind};
 use crate::math::{Quat, Vec3};
 use crate::narrow::apart_by;
 use crate::particles::Particles;
-use crate::shape::{PartGeometry, Shape};
+use crate::shape::{Part, PartGeometry, Shape};
 
 /// How far a shape's parts reach, for unit scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +40,8 @@ pub struct NeighbourInputs<'a> {
     pub reaches: &'a [ShapeReach],
     /// By boundary index.
     pub boundaries: &'a [Boundary],
+    /// Whether polyhedra meet by generalized overlap.
+    pub rounded: bool,
     /// Periodic cell.
     pub cell: &'a Cell,
     /// Skin over the smallest bounding diameter.
@@ -93,7 +95,20 @@ impl Entry {
 struct Found {
     spheres: Vec<Slot>,
     parts: Vec<Slot>,
+    rounded_parts: Vec<Slot>,
     walls: Vec<Slot>,
+    rounded_walls: Vec<Slot>,
+}
+
+impl Found {
+    /// In the order of [`SlotKind`].
+    fn by_kind(&self) -> [&Vec<Slot>; 5] {
+        [&self.spheres, &self.parts, &self.rounded_parts, &self.walls, &self.rounded_walls]
+    }
+}
+
+fn is_polyhedron(part: &Part) -> bool {
+    matches!(part.geometry, PartGeometry::Polyhedron(_))
 }
 
 impl Neighbours {
@@ -204,10 +219,10 @@ impl Neighbours {
                 found
             })
             .collect();
-        let mut slots = Vec::with_capacity(found.iter().map(|f| f.spheres.len() + f.parts.len() + f.walls.len()).sum());
-        found.iter().for_each(|f| slots.extend_from_slice(&f.spheres));
-        found.iter().for_each(|f| slots.extend_from_slice(&f.parts));
-        found.iter().for_each(|f| slots.extend_from_slice(&f.walls));
+        let mut slots = Vec::with_capacity(found.iter().flat_map(Found::by_kind).map(Vec::len).sum());
+        for kind in 0..5 {
+            found.iter().for_each(|f| slots.extend_from_slice(f.by_kind()[kind]));
+        }
         slots
     }
 
@@ -248,7 +263,12 @@ impl Neighbours {
         let (a_from_b, scale) = particles.a_from_b(a, b, &particles.separation(a, b));
         for (ka, part_a) in inputs.shapes[shape_a].parts().iter().enumerate() {
             for (kb, part_b) in inputs.shapes[shape_b].parts().iter().enumerate() {
-                if !apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
+                if apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
+                    continue;
+                }
+                if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
+                    found.rounded_parts.push(slot(ka, kb, SlotKind::RoundedParts));
+                } else {
                     found.parts.push(slot(ka, kb, SlotKind::Parts));
                 }
             }
@@ -264,13 +284,13 @@ impl Neighbours {
                 let scale = particles.scale[row];
                 let centre = particles.position[row] + particles.rotation[row] * (part.center * scale);
                 if boundary.distance(&centre) < part.radius * scale + self.skin {
-                    found.walls.push(Slot {
-                        a: row as u32,
-                        b: index as u32,
-                        part_a: k as u16,
-                        part_b: 0,
-                        kind: SlotKind::Wall,
-                    });
+                    let rounded = inputs.rounded && is_polyhedron(part);
+                    let (kind, list) = if rounded {
+                        (SlotKind::RoundedWall, &mut found.rounded_walls)
+                    } else {
+                        (SlotKind::Wall, &mut found.walls)
+                    };
+                    list.push(Slot { a: row as u32, b: index as u32, part_a: k as u16, part_b: 0, kind });
                 }
             }
         }
@@ -280,7 +300,7 @@ impl Neighbours {
     fn link(&mut self, particles: &Particles, slots: &[Slot]) {
         let n = particles.n_owned();
         let sides = |slot: &Slot| {
-            let b = (slot.kind != SlotKind::Wall).then(|| particles.owner(slot.b as usize));
+            let b = (!slot.kind.is_wall()).then(|| particles.owner(slot.b as usize));
             (slot.a as usize, b)
         };
         let starts = &mut self.adjacency_starts;
@@ -313,7 +333,7 @@ impl Neighbours {
         }
         let key = |entry: &Entry| {
             let slot = &slots[entry.slot()];
-            let is_wall = slot.kind == SlotKind::Wall;
+            let is_wall = slot.kind.is_wall();
             let partner = match (is_wall, entry.is_b()) {
                 (true, _) => u64::from(slot.b),
                 (false, true) => particles.ids[particles.owner(slot.a as usize)],

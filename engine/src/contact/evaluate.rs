@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::evaluate_overlap::evaluate_overlaps;
 use super::law::{PairLaw, PairTable, coulomb_history, normal_force};
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};
 use crate::boundary::Boundary;
 use crate::math::Vec3;
 use crate::particles::Particles;
-use crate::scene::{ContactEnd, Tangential};
+use crate::scene::{ContactEnd, RoundedShapes, Tangential};
 
 /// What the laws read.
 #[derive(Clone, Copy)]
@@ -22,6 +23,8 @@ pub struct ForceInputs<'a> {
     pub contact_end: ContactEnd,
     /// Tangential law.
     pub tangential: Tangential,
+    /// Cores and law, where polyhedra meet by generalized overlap.
+    pub rounded: Option<&'a RoundedShapes>,
     /// Time over which the springs stretch, s (0 when forces are evaluated without a step).
     pub stretch_time_s: f64,
 }
@@ -35,6 +38,7 @@ pub fn evaluate_forces(table: &mut ContactTable, inputs: &ForceInputs<'_>) {
         .for_each(|(k, (slots, wrenches, chunk))| {
             evaluate_chunk(slots, wrenches, chunk, inputs);
             chunk.sums.largest_slot += (k * CHUNK) as u32;
+            chunk.sums.rounding_slot += (k * CHUNK) as u32;
         });
 }
 
@@ -52,12 +56,10 @@ fn evaluate_chunk(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactCh
             overlap = overlap.max(contact.overlap);
         }
         wrenches[index] = wrench;
-        chunk.sums.largest_overlap = chunk.sums.largest_overlap.max(overlap);
-        let ratio = overlap / pair.smaller_radius;
-        if ratio > chunk.sums.largest_ratio {
-            chunk.sums.largest_ratio = ratio;
-            chunk.sums.largest_slot = index as u32;
-        }
+        chunk.sums.take_overlap(overlap, pair.smaller_radius, index);
+    }
+    if let Some(rounded) = inputs.rounded {
+        evaluate_overlaps(slots, wrenches, (&mut chunk.overlaps, &mut chunk.sums), inputs, rounded);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::boundary::{Boundary, WallShape};
 use crate::math::Vec3;
 use crate::narrow::{self, FeatureKey, Manifold, PairCache};
 use crate::particles::Particles;
-use crate::scene::Sharing;
+use crate::scene::{RoundedShapes, Sharing};
 use crate::shape::Shape;
 
 /// What the search reads.
@@ -22,6 +22,8 @@ pub struct FindInputs<'a> {
     pub boundaries: &'a [Boundary],
     /// Weights of several points.
     pub sharing: Sharing,
+    /// Cores, where polyhedra meet by generalized overlap.
+    pub rounded: Option<&'a RoundedShapes>,
     /// Whether springs are carried at all.
     pub history: bool,
 }
@@ -35,10 +37,13 @@ pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
 }
 
 fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
-    let ContactChunk { contacts, previous, caches, manifold, .. } = chunk;
+    let ContactChunk { contacts, previous, caches, manifold, overlaps, .. } = chunk;
     std::mem::swap(contacts, previous);
     contacts.clear();
     let mut carried = previous.as_slice();
+    if inputs.rounded.is_some() {
+        overlaps.begin();
+    }
     for (k, slot) in slots.iter().enumerate() {
         let index = k as u32;
         let start = contacts.len();
@@ -46,10 +51,22 @@ fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'
             SlotKind::SphereSphere => sphere_pair(index, slot, inputs.particles, contacts),
             SlotKind::Parts => part_pair(index, slot, &mut caches[k], inputs, manifold, contacts),
             SlotKind::Wall => part_wall(index, slot, inputs, manifold, contacts),
+            SlotKind::RoundedParts | SlotKind::RoundedWall => {
+                let rounded = inputs.rounded.expect("only scenes with cores have such slots");
+                if slot.kind == SlotKind::RoundedParts {
+                    overlaps.find_pair(index, slot, inputs, rounded);
+                } else {
+                    overlaps.find_wall(index, slot, inputs, rounded);
+                }
+                continue;
+            }
         }
         if inputs.history && !carried.is_empty() {
             carried = carry_springs(index, carried, &mut contacts[start..]);
         }
+    }
+    if inputs.history && inputs.rounded.is_some() {
+        overlaps.carry_springs();
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tangential springs outside of rows and slots, keyed by ids: what survives a rebuild, and what is hashed.
 
-use super::table::{CHUNK, Contact, ContactTable, SlotKind};
+use super::table::{CHUNK, Contact, ContactTable};
 use crate::math::Vec3;
 use crate::narrow::FeatureKey;
 use crate::particles::Particles;
@@ -17,11 +17,15 @@ pub struct SpringRecord {
     pub spring: Vec3,
 }
 
+/// Features under which the two springs of a contact by generalized overlap are kept: a vector, and an arc in x.
+const SLIDE: FeatureKey = FeatureKey::point(0);
+const TWIST: FeatureKey = FeatureKey::point(1);
+
 /// Key of a slot, without the feature.
 fn slot_key(table: &ContactTable, slot: usize, particles: &Particles) -> (u64, u64, u16, u16) {
     let slot = &table.slots[slot];
     let b = match slot.kind {
-        SlotKind::Wall => BOUNDARY | u64::from(slot.b),
+        kind if kind.is_wall() => BOUNDARY | u64::from(slot.b),
         _ => particles.ids[particles.owner(slot.b as usize)],
     };
     (particles.ids[slot.a as usize], b, slot.part_a, slot.part_b)
@@ -38,8 +42,24 @@ impl ContactTable {
                 SpringRecord { key: (a, b, part_a, part_b, contact.feature), spring: contact.spring }
             })
             .collect();
+        self.push_overlap_springs(particles, &mut records);
         records.sort_unstable_by_key(|record| record.key);
         records
+    }
+
+    fn push_overlap_springs(&self, particles: &Particles, records: &mut Vec<SpringRecord>) {
+        for (k, chunk) in self.chunks.iter().enumerate() {
+            for contact in &chunk.overlaps.contacts {
+                let (a, b, part_a, part_b) = slot_key(self, k * CHUNK + contact.slot as usize, particles);
+                let mut push = |feature: FeatureKey, spring: Vec3| {
+                    if spring != Vec3::zeros() {
+                        records.push(SpringRecord { key: (a, b, part_a, part_b, feature), spring });
+                    }
+                };
+                push(SLIDE, contact.spring);
+                push(TWIST, Vec3::x() * contact.twist);
+            }
+        }
     }
 
     /// Gives new slots the springs of the old ones (sorted by key).
@@ -55,7 +75,20 @@ impl ContactTable {
                 .iter()
                 .take_while(|record| (record.key.0, record.key.1, record.key.2, record.key.3) == key);
             let slot = (index % CHUNK) as u32;
+            let rounded = self.slots[index].kind.is_rounded();
             let chunk = &mut self.chunks[index / CHUNK];
+            if rounded {
+                let (mut spring, mut twist) = (Vec3::zeros(), 0.0);
+                let mut found = false;
+                for record in own {
+                    found = true;
+                    if record.key.4 == SLIDE { spring = record.spring } else { twist = record.spring.x }
+                }
+                if found {
+                    chunk.overlaps.restore(slot, spring, twist);
+                }
+                continue;
+            }
             chunk.contacts.extend(own.map(|record| Contact {
                 slot,
                 feature: record.key.4,

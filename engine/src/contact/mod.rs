@@ -2,12 +2,15 @@
 
 mod carry;
 mod evaluate;
+mod evaluate_overlap;
 mod find;
 mod history;
 pub mod law;
+mod overlap;
 mod table;
 
 pub use evaluate::{ForceInputs, evaluate_forces};
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;
+pub use overlap::{OverlapChunk, OverlapContact};
 pub use table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};

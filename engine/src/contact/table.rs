@@ -1,6 +1,7 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
 use super::carry::CarriedCaches;
+use super::overlap::OverlapChunk;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
 
@@ -14,8 +15,26 @@ pub enum SlotKind {
     SphereSphere,
     /// Two convex parts.
     Parts,
+    /// Two rounded polyhedra, by generalized overlap.
+    RoundedParts,
     /// A convex part and a boundary.
     Wall,
+    /// A rounded polyhedron and a boundary, by generalized overlap.
+    RoundedWall,
+}
+
+impl SlotKind {
+    /// Whether side b is a boundary.
+    #[inline(always)]
+    pub fn is_wall(self) -> bool {
+        matches!(self, Self::Wall | Self::RoundedWall)
+    }
+
+    /// Whether the contact is one by generalized overlap.
+    #[inline(always)]
+    pub fn is_rounded(self) -> bool {
+        matches!(self, Self::RoundedParts | Self::RoundedWall)
+    }
 }
 
 /// A pair of parts that may touch.
@@ -84,11 +103,33 @@ pub struct Sums {
     pub largest_ratio: f64,
     /// Slot (in the table) of the largest ratio.
     pub largest_slot: u32,
+    /// Largest generalized overlap over the mean rounding radius.
+    pub largest_rounding: f64,
+    /// Slot (in the table) of that.
+    pub rounding_slot: u32,
     /// Touching points by kind: smooth, vertex-face, edge-edge.
     pub points_by_kind: [u64; 3],
 }
 
 impl Sums {
+    /// The overlap of a slot of the chunk.
+    #[inline(always)]
+    pub fn take_overlap(&mut self, overlap: f64, smaller_radius: f64, slot: usize) {
+        self.largest_overlap = self.largest_overlap.max(overlap);
+        let ratio = overlap / smaller_radius;
+        if ratio > self.largest_ratio {
+            (self.largest_ratio, self.largest_slot) = (ratio, slot as u32);
+        }
+    }
+
+    /// The generalized overlap of a slot of the chunk over its mean rounding radius.
+    #[inline(always)]
+    pub fn take_rounding(&mut self, ratio: f64, slot: usize) {
+        if ratio > self.largest_rounding {
+            (self.largest_rounding, self.rounding_slot) = (ratio, slot as u32);
+        }
+    }
+
     /// Adds the next chunk.
     pub fn add(&mut self, other: &Sums) {
         self.elastic_normal += other.elastic_normal;
@@ -100,6 +141,10 @@ impl Sums {
         if other.largest_ratio > self.largest_ratio {
             self.largest_ratio = other.largest_ratio;
             self.largest_slot = other.largest_slot;
+        }
+        if other.largest_rounding > self.largest_rounding {
+            self.largest_rounding = other.largest_rounding;
+            self.rounding_slot = other.rounding_slot;
         }
         for kind in 0..3 {
             self.points_by_kind[kind] += other.points_by_kind[kind];
@@ -114,6 +159,8 @@ pub struct ContactChunk {
     pub contacts: Vec<Contact>,
     /// Of the step before; only slot, feature and spring are read.
     pub previous: Vec<Contact>,
+    /// By generalized overlap.
+    pub overlaps: OverlapChunk,
     /// Sums of this step.
     pub sums: Sums,
     /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
@@ -144,21 +191,23 @@ impl ContactTable {
         self.wrenches.clear();
         self.wrenches.resize(n, Wrench::default());
         self.chunks.resize_with(n.div_ceil(CHUNK), ContactChunk::default);
-        for chunk in &mut self.chunks {
+        for (slots, chunk) in self.slots.chunks(CHUNK).zip(&mut self.chunks) {
+            let up_to = |kind: SlotKind| slots.iter().rposition(|slot| slot.kind == kind).map_or(0, |last| last + 1);
             chunk.contacts.clear();
             chunk.previous.clear();
             chunk.sums = Sums::default();
-        }
-        for (slots, chunk) in self.slots.chunks(CHUNK).zip(&mut self.chunks) {
-            let parts = slots.iter().rposition(|slot| slot.kind == SlotKind::Parts).map_or(0, |last| last + 1);
             chunk.caches.clear();
-            chunk.caches.resize(parts, PairCache::default());
+            chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());
+            chunk.overlaps.reset(up_to(SlotKind::RoundedParts));
         }
     }
 
     /// Forgets what the narrow phase has learned.
     pub fn drop_caches(&mut self) {
-        self.chunks.iter_mut().flat_map(|chunk| &mut chunk.caches).for_each(|cache| *cache = PairCache::default());
+        for chunk in &mut self.chunks {
+            chunk.caches.fill(PairCache::default());
+            chunk.overlaps.forget();
+        }
     }
 
     /// Contacts with the index of their slot in the table, in order.

@@ -8,6 +8,7 @@ mod apart;
 mod clipping;
 mod closest;
 mod face_contact;
+pub mod generalized_overlap;
 mod manifold;
 mod polyhedron_polyhedron;
 mod round;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{GeneralizedOverlapSection, NormalLaw};
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;
 
@@ -122,6 +123,8 @@ pub enum Tangential {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ContactSection {
+    /// Law of the normal force.
+    pub normal: NormalLaw,
     /// Sharing over several points.
     pub sharing: Sharing,
     /// End of contact.
@@ -133,11 +136,16 @@ pub struct ContactSection {
     pub skin_fraction: Option<f64>,
     /// The run stops when an overlap exceeds this part of the smaller bounding radius.
     pub overlap_limit: f64,
+    /// Parameters of `normal = "generalized_overlap"`.
+    #[serde(skip_serializing_if = "GeneralizedOverlapSection::is_default")]
+    pub generalized_overlap: GeneralizedOverlapSection,
 }
 
 impl Default for ContactSection {
     fn default() -> Self {
         Self {
+            normal: NormalLaw::default(),
+            generalized_overlap: GeneralizedOverlapSection::default(),
             sharing: Sharing::default(),
             contact_end: ContactEnd::default(),
             tangential: Tangential::default(),

@@ -2,11 +2,13 @@
 
 mod check;
 mod description;
+mod normal_law;
 mod plan;
 mod validate;
 pub(crate) use validate::check_motion;
 
 pub use check::SceneCheck;
 pub use description::*;
+pub use normal_law::{GeneralizedOverlapSection, NormalLaw, RoundedShapes};
 pub use plan::Plan;
 pub use validate::Scene;

@@ -1,6 +1,6 @@
 //! What a scene needs, and what is left out of every step because it does not.
 
-use super::{RotationScheme, SceneDescription, Sharing, Tangential};
+use super::{NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential};
 use crate::broad::ShapeReach;
 use crate::contact::law::PairTable;
 
@@ -39,8 +39,7 @@ impl Plan {
                 Sharing::PerPoint => "sharing of points: per_point".into(),
                 Sharing::ModelB => "sharing of points: model_b".to_string(),
             },
-            format!("normal law: linear spring and dashpot, contact end {:?}", description.contact.contact_end)
-                .to_lowercase(),
+            normal_law(description),
             if history {
                 "friction: Coulomb with history per contact feature".into()
             } else {
@@ -64,5 +63,19 @@ impl Plan {
         });
         lines.push("fields: computed only while somebody subscribes or asks".into());
         Self { lines, history, rotates, reaches, skin_fraction }
+    }
+}
+
+/// The normal law in words.
+fn normal_law(description: &SceneDescription) -> String {
+    let contact = &description.contact;
+    let section = &contact.generalized_overlap;
+    let end = format!("contact end {:?}", contact.contact_end).to_lowercase();
+    match contact.normal {
+        NormalLaw::Linear => format!("normal law: linear spring and dashpot, {end}"),
+        NormalLaw::GeneralizedOverlap => format!(
+            "normal law: polyhedra by generalized overlap (p {}, rounded by {:.2e} of the inner diameter, exponent {}); linear spring and dashpot where a part is round; {end}",
+            section.p, section.rounding_fraction, section.exponent
+        ),
     }
 }

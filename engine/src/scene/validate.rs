@@ -1,13 +1,13 @@
 //! The only way to a [`Scene`]: afterwards the engine cannot fail to start.
 
-use super::{BoundaryGeometry, MaterialPairDescription, MotionDescription, Plan, SceneDescription};
+use super::{BoundaryGeometry, MaterialPairDescription, MotionDescription, Plan, RoundedShapes, SceneDescription};
 use crate::boundary::Boundary;
 use crate::broad::ShapeReach;
 use crate::cell::Cell;
 use crate::contact::law::{PairLaw, PairTable, damping_ratio, least_restitution};
 use crate::error::{InvalidInput, InvalidScene};
 use crate::insertion::{self, Surroundings};
-use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds};
+use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, rounded_critical_step};
 use crate::particles::NewParticle;
 use crate::scene::AngularVelocity;
 use crate::shape::Shape;
@@ -21,6 +21,7 @@ pub struct Scene {
     boundaries: Vec<Boundary>,
     cell: Cell,
     plan: Plan,
+    rounded: Option<RoundedShapes>,
     time_step_s: f64,
     particles: Vec<NewParticle>,
 }
@@ -90,12 +91,25 @@ impl Scene {
         if !problems.0.is_empty() {
             return Err(InvalidScene(problems.0));
         }
+        let rounded = RoundedShapes::build(&description, &shapes, &mut problems.0);
+        if !problems.0.is_empty() {
+            return Err(InvalidScene(problems.0));
+        }
         let boundaries = build_boundaries(&description, &mut problems);
         let reaches = shapes.iter().map(ShapeReach::of).collect();
         let plan = Plan::new(&description, reaches, &pairs);
         let cell = Cell::new(&description.domain);
-        let mut scene =
-            Self { description, shapes, pairs, boundaries, cell, plan, time_step_s: 0.0, particles: Vec::new() };
+        let mut scene = Self {
+            description,
+            shapes,
+            pairs,
+            boundaries,
+            cell,
+            plan,
+            rounded,
+            time_step_s: 0.0,
+            particles: Vec::new(),
+        };
         scene.check_boundaries(&mut problems);
         if problems.0.is_empty() {
             scene.place_particles(&mut problems);
@@ -181,7 +195,14 @@ impl Scene {
         let mut smallest: Option<ContactBounds> = None;
         let mut consider = |law: Option<&PairLaw>, a: &Body, b: Option<&Body>| {
             let Some(law) = law else { return };
-            let bounds = contact_bounds(law, a, b);
+            let mut bounds = contact_bounds(law, a, b);
+            if let Some(rounded) = &self.rounded
+                && a.is_rounded
+                && b.is_none_or(|b| b.is_rounded)
+            {
+                let critical = rounded_critical_step(law, &rounded.law, a, b);
+                bounds.critical_time_step_s = bounds.critical_time_step_s.min(critical);
+            }
             smallest = Some(smallest.map_or(bounds, |s| ContactBounds {
                 critical_time_step_s: s.critical_time_step_s.min(bounds.critical_time_step_s),
                 duration_s: s.duration_s.min(bounds.duration_s),
@@ -199,7 +220,8 @@ impl Scene {
     }
 
     fn body(&self, shape: usize, mass: f64) -> Body {
-        Body { mass, leverage: self.shapes[shape].leverage() }
+        let is_rounded = self.rounded.as_ref().is_some_and(|rounded| rounded.has_core(shape));
+        Body { mass, leverage: self.shapes[shape].leverage(), is_rounded }
     }
 
     /// Each shape of each particle material, at unit scale.
@@ -318,6 +340,11 @@ impl Scene {
         &self.plan
     }
 
+    /// Cores and law, where polyhedra meet by generalized overlap.
+    pub fn rounded(&self) -> Option<&RoundedShapes> {
+        self.rounded.as_ref()
+    }
+
     /// Time step, s.
     pub fn time_step_s(&self) -> f64 {
         self.time_step_s
@@ -349,6 +376,7 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
     let contact = &description.contact;
     let limit = contact.overlap_limit;
     problems.in_range("contact.overlap_limit", limit, "in (0, 2]", limit > 0.0 && limit <= 2.0);
+    problems.0.extend(contact.generalized_overlap.check());
     if let Some(skin) = contact.skin_fraction {
         problems.in_range("contact.skin_fraction", skin, "in (0, 2]", skin > 0.0 && skin <= 2.0);
     }

@@ -4,6 +4,7 @@ mod build;
 mod description;
 mod error;
 mod hull;
+mod inset;
 mod leverage;
 mod mass;
 mod polyhedron;

@@ -7,6 +7,6 @@ mod measure;
 mod settle;
 mod workload;
 
-pub use measure::{Measurement, Plan, measure};
+pub use measure::{Measurement, NormalLaw, Plan, measure};
 pub use settle::settled;
 pub use workload::{Size, Workload};

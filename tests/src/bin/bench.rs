@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Parser;
-use sturz_tests::bench::{Measurement, Plan, Size, Workload, measure, settled};
+use sturz_tests::bench::{Measurement, NormalLaw, Plan, Size, Workload, measure, settled};
 
 /// Times the engine on settled beds (settled first where no cached bed is found, which takes minutes).
 #[derive(Parser)]
@@ -21,6 +21,9 @@ struct Arguments {
     /// Timed blocks, of which the median counts
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(5..))]
     blocks: u16,
+    /// Normal law of the measured run; the bed is settled with the linear one, so give a warm-up of some 5000 steps
+    #[arg(long, value_enum, default_value_t)]
+    normal: NormalLaw,
     /// Untimed steps before the first block
     #[arg(long, default_value_t = 500)]
     warm_up: u64,
@@ -41,6 +44,7 @@ fn main() -> anyhow::Result<()> {
         threads: arguments.threads.into(),
         steps: arguments.steps,
         blocks: arguments.blocks.into(),
+        normal: arguments.normal,
         warm_up: arguments.warm_up,
     };
     let mut results = Vec::new();

@@ -5,6 +5,8 @@ mod impact;
 mod periodic;
 mod refusals;
 mod rotation;
+mod rounded;
+mod rounded_pose;
 mod shapes;
 mod sliding;
 mod stability;
@@ -108,6 +110,10 @@ impl Case {
         Self { id, title, fast: true, run }
     }
 
+    const fn slow(id: &'static str, title: &'static str, run: fn(&mut Checks) -> anyhow::Result<()>) -> Self {
+        Self { id, title, fast: false, run }
+    }
+
     /// Runs the case. A case that cannot be run ends with a row that fails and says why.
     pub fn rows(&self) -> Vec<Row> {
         let mut checks = Checks { id: self.id, rows: Vec::new(), since: Instant::now(), particle_steps: 0 };
@@ -129,6 +135,7 @@ pub fn registry() -> Vec<Case> {
         degenerate::cases(),
         periodic::cases(),
         refusals::cases(),
+        rounded::cases(),
     ]
     .into_iter()
     .flatten()

@@ -20,6 +20,38 @@ fn carried(spring: &Vec3, normal: &Vec3) -> Vec3 {
     if in_plane2 > 1e-30 * length2 { in_plane * (length2 / in_plane2).sqrt() } else { Vec3::zeros() }
 }
 
+/// Force of a torsion spring, and the spring after the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorsionForce {
+    /// At the arm of the contact, about the normal of `a`, N.
+    pub force: f64,
+    /// Stretch as an arc after truncation, m.
+    pub spring: f64,
+}
+
+/// f = -(kt tau + ct v), truncated to |f| <= mu f_n, for the arc tau = sum of arm x turn of `a` against `b`.
+///
+/// The torque is f times the present arm of the contact, its mean distance of the points from their centre. Keeping
+/// the arc, not the angle, makes kt tau^2 / 2 the energy even while the arm changes.
+#[inline]
+pub fn torsion_history(
+    [stiffness, damping]: [f64; 2],
+    limit: f64,
+    spring: f64,
+    stretch: f64,
+    velocity: f64,
+) -> TorsionForce {
+    let stretched = spring + stretch;
+    let trial = -(stretched * stiffness + velocity * damping);
+    if trial.abs() <= limit {
+        return TorsionForce { force: trial, spring: stretched };
+    }
+    let force = trial.clamp(-limit, limit);
+    let longest = limit / stiffness.max(f64::MIN_POSITIVE);
+    let relaxed = -(force + velocity * damping) / stiffness.max(f64::MIN_POSITIVE);
+    TorsionForce { force, spring: if stiffness > 0.0 { relaxed.clamp(-longest, longest) } else { 0.0 } }
+}
+
 /// f = -(kt xi + ct v), truncated to |f| <= mu f_n; beyond it the spring keeps the length that gives the limit.
 ///
 /// `spring` xi (m) is that of the last step, `stretch` (m) the tangential displacement of `a` against `b` since,
