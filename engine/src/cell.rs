@@ -1,6 +1,9 @@
 //! The periodic cell.
 
+use rayon::prelude::*;
+
 use crate::math::Vec3;
+use crate::parallel::least;
 use crate::particles::Particles;
 use crate::scene::DomainSection;
 
@@ -46,13 +49,16 @@ impl Cell {
     /// Wraps all owned rows, remembering what was taken off.
     pub fn wrap_all(&self, particles: &mut Particles) {
         let n = particles.n_owned();
-        for row in 0..n {
-            let cells = self.wrap(&mut particles.position[row]);
-            for (axis, &crossed) in cells.iter().enumerate().filter(|(_, crossed)| **crossed != 0) {
-                particles.image[row][axis] += crossed;
-                particles.offset[row][axis] += f64::from(crossed) * self.extent[axis];
-            }
-        }
+        let Particles { position, image, offset, .. } = particles;
+        (&mut position[..n], image, &mut offset[..n]).into_par_iter().with_min_len(least(n, 512, 3)).for_each(
+            |(position, image, offset)| {
+                let cells = self.wrap(position);
+                for (axis, &crossed) in cells.iter().enumerate().filter(|(_, crossed)| **crossed != 0) {
+                    image[axis] += crossed;
+                    offset[axis] += f64::from(crossed) * self.extent[axis];
+                }
+            },
+        );
     }
 
     /// Shortest vector among the images of `d`.

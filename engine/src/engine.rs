@@ -145,8 +145,13 @@ impl Engine {
     }
 
     /// Makes the next step rebuild the neighbour list. The results do not depend on it; tests show that.
-    pub fn drop_caches(&mut self) {
+    pub fn expire_neighbours(&mut self) {
         self.neighbours.invalidate();
+    }
+
+    /// Makes the next step rebuild the neighbour list and test all pairs in full. The results do not depend on it.
+    pub fn drop_caches(&mut self) {
+        self.expire_neighbours();
         self.contacts.drop_caches();
     }
 
@@ -188,7 +193,7 @@ impl Engine {
         let dt = self.clock.time_step_s();
         let report = integrate::drift(&mut self.particles, &self.gravity, dt, &self.scene.plan().rotates);
         self.warnings.rotation_not_converged += report.not_converged;
-        self.warnings.fast_particle += u64::from(report.largest_relative_displacement > FAST);
+        self.warnings.fast_particle += u64::from(report.largest_displacement_squared > FAST * FAST);
     }
 
     pub(crate) fn wrap_into_cell(&mut self) {
@@ -210,23 +215,33 @@ impl Engine {
             reaches: &scene.plan().reaches,
             boundaries: &self.boundaries,
             rounded: scene.rounded().is_some(),
+            sphere_batch: scene.plan().sphere_batch,
             cell: scene.cell(),
             skin_fraction: scene.plan().skin_fraction,
             time_s,
         };
-        if !self.neighbours.is_stale(&self.particles, &inputs) {
-            self.particles.update_ghosts();
-            return;
+        let Self { particles, contacts, neighbours, .. } = self;
+        if !neighbours.is_stale(particles, &inputs) {
+            // A sphere's image is read by place only.
+            if !scene.plan().all_spheres {
+                particles.update_ghosts();
+            }
+            return particles.update_places(!contacts.spheres.is_empty());
         }
-        let mut springs = std::mem::take(&mut self.kept_springs);
-        if springs.is_empty() && scene.plan().history {
-            springs = self.contacts.springs(&self.particles);
-        }
-        self.contacts.take_caches(&self.particles);
-        let slots = self.neighbours.rebuild(&mut self.particles, &inputs);
-        self.contacts.reset(slots.into_iter());
-        self.contacts.give_caches(&self.particles);
-        self.contacts.restore_springs(&springs, &self.particles);
+        let kept = std::mem::take(&mut self.kept_springs);
+        let springs = match scene.plan().history && kept.is_empty() {
+            true => contacts.slot_springs(particles),
+            false => Vec::new(),
+        };
+        contacts.spheres.keep(particles);
+        contacts.take_caches(particles);
+        neighbours.rebuild(particles, &inputs, &mut contacts.slots);
+        contacts.reset();
+        contacts.give_caches(particles);
+        contacts.restore_springs(if kept.is_empty() { &springs } else { &kept }, particles);
+        contacts.spheres.rebuild(neighbours.sphere_pairs(), particles, scene.pairs(), neighbours.order());
+        contacts.restore_sphere_springs(&kept, particles);
+        particles.update_places(!contacts.spheres.is_empty());
     }
 
     pub(crate) fn find_contacts(&mut self) {
@@ -314,13 +329,19 @@ impl Engine {
 
     /// The two sides of a slot, for errors.
     fn sides(&self, slot: u32) -> (u64, String) {
-        let slot = self.contacts.slots[slot as usize];
         let particles = &self.particles;
+        let slots = &self.contacts.slots;
+        if slot as usize >= slots.len() {
+            let pair = self.contacts.spheres.pair(slot as usize - slots.len());
+            let [a, b] = pair.ids(particles);
+            return (a, format!("particle {b}"));
+        }
+        let slot = slots[slot as usize];
         let b = if slot.kind.is_wall() {
             format!("boundary \"{}\"", self.boundaries[slot.b as usize].name)
         } else {
             format!("particle {}", particles.ids[particles.owner(slot.b as usize)])
         };
-        (particles.ids[slot.a as usize], b)
+        (particles.ids[particles.owner(slot.a as usize)], b)
     }
 }

@@ -63,6 +63,7 @@ pub mod insertion;
 pub mod integrate;
 pub mod math;
 pub mod narrow;
+mod parallel;
 pub mod particles;
 mod random;
 pub mod report;

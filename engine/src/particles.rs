@@ -1,6 +1,9 @@
 //! The particles as columns, rows in spatial order: `[owned | ghosts]`, ghosts being shifted periodic images.
 
+use rayon::prelude::*;
+
 use crate::math::{Mat3, Quat, Similarity, Vec3};
+use crate::parallel::least;
 
 /// What a row needs to be made.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +77,39 @@ pub struct Particles {
     pub ghost_owner: Vec<u32>,
     /// Offset of the ghost less that of its owner, m (n_ghosts).
     pub ghost_shift: Vec<Vec3>,
+    /// What the sphere batch reads of every listed pair (n_owned + n_ghosts); empty where no two spheres are listed.
+    pub places: Vec<Place>,
+    scratch: SelectScratch,
+}
+
+/// Where a row is, in one cache line: of three pairs that the sphere batch looks at, one does not touch, and needs no
+/// more than this.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub struct Place {
+    /// m
+    pub position: Vec3,
+    /// Bounding radius, m.
+    pub radius: f64,
+    /// As [`Particles::offset`].
+    pub offset: Vec3,
+    /// Row that this one is an image of, or itself.
+    pub owner: u32,
+    /// Index of the material.
+    pub material: u32,
+}
+
+/// Buffers of [`Particles::select`], one per type: 17 fresh columns per rebuild went to the system and back.
+#[derive(Clone, Debug, Default)]
+struct SelectScratch {
+    id: Vec<u64>,
+    index: Vec<u32>,
+    number: Vec<f64>,
+    vector: Vec<Vec3>,
+    quaternion: Vec<Quat>,
+    matrix: Vec<Mat3>,
+    motion: Vec<ContactMotion>,
+    image: Vec<[i32; 3]>,
 }
 
 /// Velocities of one particle during the force evaluation, world axes.
@@ -156,6 +192,31 @@ impl Particles {
         self.ghost_shift.push(shift);
     }
 
+    /// Writes the places of all rows, where `wanted`.
+    pub fn update_places(&mut self, wanted: bool) {
+        if !wanted {
+            return;
+        }
+        let Self { places, position, radius, offset, material, ghost_owner, ghost_shift, .. } = self;
+        let n = self.ids.len();
+        let rows = position.len();
+        places.resize(rows, Place::default());
+        let place = |row: usize| {
+            let (owner, shift) = match row.checked_sub(n) {
+                None => (row, Vec3::zeros()),
+                Some(k) => (ghost_owner[k] as usize, ghost_shift[k]),
+            };
+            Place {
+                position: position[owner],
+                radius: radius[owner],
+                offset: offset[owner] + shift,
+                owner: owner as u32,
+                material: material[owner],
+            }
+        };
+        places.par_iter_mut().enumerate().with_min_len(least(rows, 512, 3)).for_each(|(row, to)| *to = place(row));
+    }
+
     /// Copies the moving columns of the owners to their ghosts.
     pub fn update_ghosts(&mut self) {
         let n = self.n_owned();
@@ -171,26 +232,29 @@ impl Particles {
     /// Puts the owned rows into the order `rows` (row `rows[k]` becomes row k); rows left out are removed.
     pub fn select(&mut self, rows: &[u32]) {
         debug_assert!(self.ghost_owner.is_empty());
-        fn column<T: Copy>(values: &mut Vec<T>, rows: &[u32]) {
-            *values = rows.iter().map(|&row| values[row as usize]).collect();
+        fn column<T: Copy>(values: &mut Vec<T>, rows: &[u32], scratch: &mut Vec<T>) {
+            scratch.clear();
+            scratch.extend(rows.iter().map(|&row| values[row as usize]));
+            std::mem::swap(values, scratch);
         }
-        column(&mut self.ids, rows);
-        column(&mut self.position, rows);
-        column(&mut self.velocity, rows);
-        column(&mut self.orientation, rows);
-        column(&mut self.angular_momentum, rows);
-        column(&mut self.force, rows);
-        column(&mut self.torque, rows);
-        column(&mut self.image, rows);
-        column(&mut self.shape, rows);
-        column(&mut self.material, rows);
-        column(&mut self.scale, rows);
-        column(&mut self.radius, rows);
-        column(&mut self.mass, rows);
-        column(&mut self.inertia, rows);
-        column(&mut self.rotation, rows);
-        column(&mut self.motion, rows);
-        column(&mut self.offset, rows);
+        let scratch = &mut self.scratch;
+        column(&mut self.ids, rows, &mut scratch.id);
+        column(&mut self.position, rows, &mut scratch.vector);
+        column(&mut self.velocity, rows, &mut scratch.vector);
+        column(&mut self.orientation, rows, &mut scratch.quaternion);
+        column(&mut self.angular_momentum, rows, &mut scratch.vector);
+        column(&mut self.force, rows, &mut scratch.vector);
+        column(&mut self.torque, rows, &mut scratch.vector);
+        column(&mut self.image, rows, &mut scratch.image);
+        column(&mut self.shape, rows, &mut scratch.index);
+        column(&mut self.material, rows, &mut scratch.index);
+        column(&mut self.scale, rows, &mut scratch.number);
+        column(&mut self.radius, rows, &mut scratch.number);
+        column(&mut self.mass, rows, &mut scratch.number);
+        column(&mut self.inertia, rows, &mut scratch.vector);
+        column(&mut self.rotation, rows, &mut scratch.matrix);
+        column(&mut self.motion, rows, &mut scratch.motion);
+        column(&mut self.offset, rows, &mut scratch.vector);
     }
 
     /// Vector from `a` to `b`.

@@ -123,7 +123,7 @@ impl Engine {
 
     /// Pairs of particles, and of a particle and a boundary, that touch in at least one part.
     fn count_touching(&self) -> (u64, u64) {
-        let (mut pairs, mut walls) = (0, 0);
+        let (mut pairs, mut walls) = (self.contacts.spheres.touching(), 0);
         let mut last = None;
         for (slot, wrench) in self.contacts.slots.iter().zip(&self.contacts.wrenches) {
             // Slots of the same two bodies follow each other.

@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 
-/// Rows by grid cell (counting sort: rows of a cell are contiguous and ascending).
+/// Rows by grid cell (counting sort: rows of a cell are contiguous and in the order given).
 #[derive(Clone, Debug, Default)]
 pub struct CellList {
     min: Vec3,
@@ -10,25 +10,32 @@ pub struct CellList {
     counts: [usize; 3],
     starts: Vec<u32>,
     rows: Vec<u32>,
+    keys: Vec<u32>,
 }
 
 /// Cells per row at most; a sparse cloud gets larger cells instead of more.
 const CELLS_PER_ROW: f64 = 4.0;
 
+/// Cells along the edge of a block.
+const BLOCK: usize = 4;
+
+/// By how much a search reaches farther than asked, in cells: far above the rounding of a cell's index.
+const SLACK: f64 = 1e-6;
+
 impl CellList {
-    /// Sorts `n` rows at `position(row)` into cells of at least `size`.
-    pub fn build(&mut self, n: usize, size: f64, position: impl Fn(usize) -> Vec3) {
+    /// Sorts `rows` at `position(row)` into cells of at least `size`.
+    pub fn build(&mut self, rows: &[u32], size: f64, position: impl Fn(usize) -> Vec3) {
         let (mut min, mut max) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-        for row in 0..n {
-            let x = position(row);
+        for &row in rows {
+            let x = position(row as usize);
             min = min.inf(&x);
             max = max.sup(&x);
         }
-        if n == 0 {
+        if rows.is_empty() {
             (min, max) = (Vec3::zeros(), Vec3::zeros());
         }
         let extent = max - min;
-        let most = CELLS_PER_ROW * n as f64 + 64.0;
+        let most = CELLS_PER_ROW * rows.len() as f64 + 64.0;
         let mut size = size;
         let cells = |size: f64| extent.map(|length| (length / size).floor() + 1.0);
         while cells(size).product() > most {
@@ -38,27 +45,31 @@ impl CellList {
         self.min = min;
         self.inverse_size = 1.0 / size;
         self.counts = [counts.x as usize, counts.y as usize, counts.z as usize];
-        self.sort(n, position);
+        self.sort(rows, position);
     }
 
-    fn sort(&mut self, n: usize, position: impl Fn(usize) -> Vec3) {
+    fn sort(&mut self, rows: &[u32], position: impl Fn(usize) -> Vec3) {
         let total = self.counts.iter().product::<usize>();
+        let mut keys = std::mem::take(&mut self.keys);
+        keys.clear();
+        keys.extend(rows.iter().map(|&row| self.key(self.cell(&position(row as usize))) as u32));
+        // One place further: while rows are put in, each start moves to its end, which is the next one's start.
         self.starts.clear();
-        self.starts.resize(total + 1, 0);
-        let keys: Vec<u32> = (0..n).map(|row| self.key(self.cell(&position(row))) as u32).collect();
+        self.starts.resize(total + 2, 0);
         for &key in &keys {
-            self.starts[key as usize + 1] += 1;
+            self.starts[key as usize + 2] += 1;
         }
         for key in 0..total {
-            self.starts[key + 1] += self.starts[key];
+            self.starts[key + 2] += self.starts[key + 1];
         }
         self.rows.clear();
-        self.rows.resize(n, 0);
-        let mut next = self.starts.clone();
-        for (row, &key) in keys.iter().enumerate() {
-            self.rows[next[key as usize] as usize] = row as u32;
-            next[key as usize] += 1;
+        self.rows.resize(rows.len(), 0);
+        for (&row, &key) in rows.iter().zip(&keys) {
+            let at = &mut self.starts[key as usize + 1];
+            self.rows[*at as usize] = row;
+            *at += 1;
         }
+        self.keys = keys;
     }
 
     fn cell(&self, x: &Vec3) -> [usize; 3] {
@@ -72,19 +83,40 @@ impl CellList {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Rows in the order of cells.
-    pub fn rows(&self) -> &[u32] {
-        &self.rows
+    /// Appends the rows block by block of cells. Neighbours are then at most a few hundred rows apart in most cases, and
+    /// what a block reads of them stays in the first-level cache; in plain order they are a layer of the grid apart.
+    pub fn append_in_blocks(&self, to: &mut Vec<u32>) {
+        let blocks = |axis: usize| (0..self.counts[axis]).step_by(BLOCK);
+        let inside = |start: usize, axis: usize| start..(start + BLOCK).min(self.counts[axis]);
+        for (bz, by) in blocks(2).flat_map(|z| blocks(1).map(move |y| (z, y))) {
+            for bx in blocks(0) {
+                let last_x = inside(bx, 0).end - 1;
+                for (z, y) in inside(bz, 2).flat_map(|z| inside(by, 1).map(move |y| (z, y))) {
+                    let (first, last) = (self.key([bx, y, z]), self.key([last_x, y, z]));
+                    to.extend_from_slice(&self.rows[self.starts[first] as usize..self.starts[last + 1] as usize]);
+                }
+            }
+        }
     }
 
-    /// Runs of rows in the cells around `x` (a run is three cells along x at most).
-    pub fn around(&self, x: &Vec3) -> impl Iterator<Item = &[u32]> {
-        let [cx, cy, cz] = self.cell(x);
-        let range = |c: usize, axis: usize| c.saturating_sub(1)..=(c + 1).min(self.counts[axis] - 1);
-        range(cz, 2).flat_map(move |z| {
-            range(cy, 1).map(move |y| {
-                let first = self.key([cx.saturating_sub(1), y, z]);
-                let last = self.key([(cx + 1).min(self.counts[0] - 1), y, z]);
+    /// Runs of rows in the cells within `reach` of `x`; a run is a row of cells along x.
+    pub fn around(&self, x: &Vec3, reach: f64) -> impl Iterator<Item = &[u32]> {
+        let cells: [std::ops::Range<usize>; 3] = std::array::from_fn(|axis| {
+            let middle = (x[axis] - self.min[axis]) * self.inverse_size;
+            let cells = reach * self.inverse_size + SLACK;
+            let (low, high) = (middle - cells, middle + cells);
+            if high < 0.0 || low >= self.counts[axis] as f64 {
+                return 0..0;
+            }
+            low.max(0.0) as usize..(high as usize + 1).min(self.counts[axis])
+        });
+        let [along_x, along_y, along_z] = cells;
+        let along_z = if along_x.is_empty() { 0..0 } else { along_z };
+        along_z.flat_map(move |z| {
+            let along_x = along_x.clone();
+            along_y.clone().map(move |y| {
+                let first = self.key([along_x.start, y, z]);
+                let last = self.key([along_x.end - 1, y, z]);
                 &self.rows[self.starts[first] as usize..self.starts[last + 1] as usize]
             })
         })

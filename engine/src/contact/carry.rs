@@ -2,7 +2,9 @@
 //!
 //! A full test of every listed pair after each rebuild cost as much as all other contact geometry of a drum of crosses.
 
-use super::table::{CHUNK, ContactTable, Slot, SlotKind};
+use rayon::prelude::*;
+
+use super::table::{CHUNK, ContactChunk, ContactTable, Slot, SlotKind, least_chunks};
 use crate::narrow::PairCache;
 use crate::particles::Particles;
 
@@ -19,7 +21,7 @@ pub struct CarriedCaches {
 
 fn key(slot: &Slot, particles: &Particles) -> PairKey {
     let b = particles.ids[particles.owner(slot.b as usize)];
-    (particles.ids[slot.a as usize], b, slot.part_a, slot.part_b)
+    (particles.ids[particles.owner(slot.a as usize)], b, slot.part_a, slot.part_b)
 }
 
 impl ContactTable {
@@ -36,7 +38,7 @@ impl ContactTable {
                 }
             }
         }
-        keys.sort_unstable();
+        keys.par_sort_unstable();
     }
 
     /// Gives the new slots what was known of their pair. A cache is valid wherever the pair has moved to meanwhile: it
@@ -46,12 +48,16 @@ impl ContactTable {
         if keys.is_empty() {
             return;
         }
-        for (slots, chunk) in self.slots.chunks(CHUNK).zip(&mut self.chunks) {
+        let give = |(slots, chunk): (&[Slot], &mut ContactChunk)| {
             for (slot, cache) in slots.iter().zip(&mut chunk.caches).filter(|(slot, _)| slot.kind == SlotKind::Parts) {
                 if let Ok(at) = keys.binary_search_by_key(&key(slot, particles), |(key, _)| *key) {
                     *cache = caches[keys[at].1 as usize];
                 }
             }
-        }
+        };
+        (self.slots.par_chunks(CHUNK), &mut self.chunks)
+            .into_par_iter()
+            .with_min_len(least_chunks(self.slots.len(), 200))
+            .for_each(give);
     }
 }

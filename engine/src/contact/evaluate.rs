@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::evaluate_overlap::evaluate_overlaps;
 use super::law::{PairLaw, PairTable, coulomb_history, normal_force};
-use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};
+use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench, least_chunks};
 use crate::boundary::Boundary;
 use crate::math::Vec3;
 use crate::particles::Particles;
@@ -31,10 +31,12 @@ pub struct ForceInputs<'a> {
 
 /// Evaluates the laws; writes each slot's wrench and each chunk's sums.
 pub fn evaluate_forces(table: &mut ContactTable, inputs: &ForceInputs<'_>) {
-    let ContactTable { slots, wrenches, chunks, .. } = table;
+    let ContactTable { spheres, slots, wrenches, chunks, .. } = table;
+    spheres.evaluate(inputs);
     (slots.par_chunks(CHUNK), wrenches.par_chunks_mut(CHUNK), chunks.par_iter_mut())
         .into_par_iter()
         .enumerate()
+        .with_min_len(least_chunks(slots.len(), 50))
         .for_each(|(k, (slots, wrenches, chunk))| {
             evaluate_chunk(slots, wrenches, chunk, inputs);
             chunk.sums.largest_slot += (k * CHUNK) as u32;

@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::law::share_stiffness;
-use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind};
+use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, least_chunks};
 use crate::boundary::{Boundary, WallShape};
 use crate::math::Vec3;
-use crate::narrow::{self, FeatureKey, Manifold, PairCache};
+use crate::narrow::{self, Manifold, PairCache};
 use crate::particles::Particles;
 use crate::scene::{RoundedShapes, Sharing};
 use crate::shape::Shape;
@@ -33,6 +33,7 @@ pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
     let ContactTable { slots, chunks, .. } = table;
     (slots.par_chunks(CHUNK), chunks.par_iter_mut())
         .into_par_iter()
+        .with_min_len(least_chunks(slots.len(), 200))
         .for_each(|(slots, chunk)| find_in_chunk(slots, chunk, inputs));
 }
 
@@ -48,7 +49,6 @@ fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'
         let index = k as u32;
         let start = contacts.len();
         match slot.kind {
-            SlotKind::SphereSphere => sphere_pair(index, slot, inputs.particles, contacts),
             SlotKind::Parts => part_pair(index, slot, &mut caches[k], inputs, manifold, contacts),
             SlotKind::Wall => part_wall(index, slot, inputs, manifold, contacts),
             SlotKind::RoundedParts | SlotKind::RoundedWall => {
@@ -68,31 +68,6 @@ fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'
     if inputs.history && inputs.rounded.is_some() {
         overlaps.carry_springs();
     }
-}
-
-/// Two spheres, straight from the columns.
-#[inline(always)]
-fn sphere_pair(index: u32, slot: &Slot, particles: &Particles, contacts: &mut Vec<Contact>) {
-    let (a, b) = (slot.a as usize, slot.b as usize);
-    let d = particles.separation(a, b);
-    let reach = particles.radius[a] + particles.radius[b];
-    let distance2 = d.norm_squared();
-    if distance2 >= reach * reach {
-        return;
-    }
-    let distance = distance2.sqrt();
-    // Coincident centres have no direction of their own: any fixed one separates them.
-    let normal = if distance > 0.0 { d / distance } else { Vec3::z() };
-    let overlap = reach - distance;
-    contacts.push(Contact {
-        slot: index,
-        feature: FeatureKey::point(0),
-        weight: 1.0,
-        overlap,
-        arm: normal * (particles.radius[a] - 0.5 * overlap),
-        normal,
-        spring: Vec3::zeros(),
-    });
 }
 
 fn part_pair(

@@ -1,6 +1,8 @@
 //! Tangential springs outside of rows and slots, keyed by ids: what survives a rebuild, and what is hashed.
 
-use super::table::{CHUNK, Contact, ContactTable};
+use rayon::prelude::*;
+
+use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, least_chunks};
 use crate::math::Vec3;
 use crate::narrow::FeatureKey;
 use crate::particles::Particles;
@@ -21,36 +23,55 @@ pub struct SpringRecord {
 const SLIDE: FeatureKey = FeatureKey::point(0);
 const TWIST: FeatureKey = FeatureKey::point(1);
 
+/// (lower id, higher id or boundary, part, part).
+type SlotKey = (u64, u64, u16, u16);
+
+impl SpringRecord {
+    fn slot_key(&self) -> SlotKey {
+        (self.key.0, self.key.1, self.key.2, self.key.3)
+    }
+}
+
 /// Key of a slot, without the feature.
-fn slot_key(table: &ContactTable, slot: usize, particles: &Particles) -> (u64, u64, u16, u16) {
-    let slot = &table.slots[slot];
+fn slot_key(slot: &Slot, particles: &Particles) -> SlotKey {
     let b = match slot.kind {
         kind if kind.is_wall() => BOUNDARY | u64::from(slot.b),
         _ => particles.ids[particles.owner(slot.b as usize)],
     };
-    (particles.ids[slot.a as usize], b, slot.part_a, slot.part_b)
+    (particles.ids[particles.owner(slot.a as usize)], b, slot.part_a, slot.part_b)
 }
 
 impl ContactTable {
     /// All springs, sorted by key.
     pub fn springs(&self, particles: &Particles) -> Vec<SpringRecord> {
+        let mut records = self.slot_springs(particles);
+        records.extend(self.spheres.springs().map(|(pair, spring)| {
+            let [a, b] = pair.ids(particles);
+            SpringRecord { key: (a, b, 0, 0, FeatureKey::point(0)), spring: *spring }
+        }));
+        records.sort_unstable_by_key(|record| record.key);
+        records
+    }
+
+    /// Springs of all slots, sorted by key: sphere pairs carry theirs over a rebuild themselves.
+    pub fn slot_springs(&self, particles: &Particles) -> Vec<SpringRecord> {
         let mut records: Vec<SpringRecord> = self
             .contacts()
             .filter(|(_, contact)| contact.spring != Vec3::zeros())
             .map(|(slot, contact)| {
-                let (a, b, part_a, part_b) = slot_key(self, slot, particles);
+                let (a, b, part_a, part_b) = slot_key(&self.slots[slot], particles);
                 SpringRecord { key: (a, b, part_a, part_b, contact.feature), spring: contact.spring }
             })
             .collect();
         self.push_overlap_springs(particles, &mut records);
-        records.sort_unstable_by_key(|record| record.key);
+        records.par_sort_unstable_by_key(|record| record.key);
         records
     }
 
     fn push_overlap_springs(&self, particles: &Particles, records: &mut Vec<SpringRecord>) {
         for (k, chunk) in self.chunks.iter().enumerate() {
             for contact in &chunk.overlaps.contacts {
-                let (a, b, part_a, part_b) = slot_key(self, k * CHUNK + contact.slot as usize, particles);
+                let (a, b, part_a, part_b) = slot_key(&self.slots[k * CHUNK + contact.slot as usize], particles);
                 let mut push = |feature: FeatureKey, spring: Vec3| {
                     if spring != Vec3::zeros() {
                         records.push(SpringRecord { key: (a, b, part_a, part_b, feature), spring });
@@ -67,37 +88,53 @@ impl ContactTable {
         if records.is_empty() {
             return;
         }
-        for index in 0..self.slots.len() {
-            let key = slot_key(self, index, particles);
-            let start =
-                records.partition_point(|record| (record.key.0, record.key.1, record.key.2, record.key.3) < key);
-            let own = records[start..]
-                .iter()
-                .take_while(|record| (record.key.0, record.key.1, record.key.2, record.key.3) == key);
-            let slot = (index % CHUNK) as u32;
-            let rounded = self.slots[index].kind.is_rounded();
-            let chunk = &mut self.chunks[index / CHUNK];
-            if rounded {
-                let (mut spring, mut twist) = (Vec3::zeros(), 0.0);
-                let mut found = false;
-                for record in own {
-                    found = true;
-                    if record.key.4 == SLIDE { spring = record.spring } else { twist = record.spring.x }
-                }
-                if found {
-                    chunk.overlaps.restore(slot, spring, twist);
-                }
-                continue;
-            }
-            chunk.contacts.extend(own.map(|record| Contact {
-                slot,
-                feature: record.key.4,
-                weight: 0.0,
-                overlap: 0.0,
-                arm: Vec3::zeros(),
-                normal: Vec3::zeros(),
-                spring: record.spring,
-            }));
+        let slots = self.slots.len();
+        (self.slots.par_chunks(CHUNK), &mut self.chunks)
+            .into_par_iter()
+            .with_min_len(least_chunks(slots, 100))
+            .for_each(|(slots, chunk)| restore_in_chunk(slots, chunk, records, particles));
+    }
+
+    /// Gives sphere pairs the springs among `records` that outlived a change of the particles.
+    pub fn restore_sphere_springs(&mut self, records: &[SpringRecord], particles: &Particles) {
+        if self.spheres.is_empty() || records.is_empty() {
+            return;
         }
+        let rows = particles.rows_by_id();
+        for record in records {
+            let (a, b) = (record.key.0, record.key.1);
+            if let Ok(at) = rows.binary_search_by_key(&a, |&row| particles.ids[row as usize]) {
+                self.spheres.restore(rows[at] as usize, b, record.spring, particles);
+            }
+        }
+    }
+}
+
+fn restore_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, records: &[SpringRecord], particles: &Particles) {
+    for (index, slot) in (0..).zip(slots) {
+        let key = slot_key(slot, particles);
+        let start = records.partition_point(|record| record.slot_key() < key);
+        let own = records[start..].iter().take_while(|record| record.slot_key() == key);
+        if slot.kind.is_rounded() {
+            let (mut spring, mut twist) = (Vec3::zeros(), 0.0);
+            let mut found = false;
+            for record in own {
+                found = true;
+                if record.key.4 == SLIDE { spring = record.spring } else { twist = record.spring.x }
+            }
+            if found {
+                chunk.overlaps.restore(index, spring, twist);
+            }
+            continue;
+        }
+        chunk.contacts.extend(own.map(|record| Contact {
+            slot: index,
+            feature: record.key.4,
+            weight: 0.0,
+            overlap: 0.0,
+            arm: Vec3::zeros(),
+            normal: Vec3::zeros(),
+            spring: record.spring,
+        }));
     }
 }

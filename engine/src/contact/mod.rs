@@ -7,10 +7,13 @@ mod find;
 mod history;
 pub mod law;
 mod overlap;
+mod sphere_lanes;
+mod spheres;
 mod table;
 
 pub use evaluate::{ForceInputs, evaluate_forces};
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;
 pub use overlap::{OverlapChunk, OverlapContact};
+pub use spheres::{SpherePair, SpherePairs};
 pub use table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};

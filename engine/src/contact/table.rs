@@ -2,18 +2,23 @@
 
 use super::carry::CarriedCaches;
 use super::overlap::OverlapChunk;
+use super::spheres::SpherePairs;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
+use crate::parallel::worthwhile;
 
 /// Slots per task; never a function of the thread count, so that sums per chunk are the same on any number.
 pub const CHUNK: usize = 256;
 
-/// What a slot pairs; slots of one kind are contiguous.
+/// Fewest chunks for rayon to split off a table of `slots` slots.
+pub(super) fn least_chunks(slots: usize, ns_each: usize) -> usize {
+    if worthwhile(slots, ns_each) { 1 } else { slots.div_ceil(CHUNK).max(1) }
+}
+
+/// What a slot pairs; slots of one kind are contiguous. Two spheres have no slot: see [`SpherePairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SlotKind {
-    /// Two spheres: no orientation, no part lookup.
-    SphereSphere,
-    /// Two convex parts.
+    /// Two convex parts, not both spheres.
     Parts,
     /// Two rounded polyhedra, by generalized overlap.
     RoundedParts,
@@ -101,7 +106,7 @@ pub struct Sums {
     pub largest_overlap: f64,
     /// Largest overlap over the smaller bounding radius.
     pub largest_ratio: f64,
-    /// Slot (in the table) of the largest ratio.
+    /// Slot (in the table) of the largest ratio; numbers from the number of slots on are sphere pairs.
     pub largest_slot: u32,
     /// Largest generalized overlap over the mean rounding radius.
     pub largest_rounding: f64,
@@ -172,6 +177,8 @@ pub struct ContactChunk {
 /// All slots.
 #[derive(Clone, Debug, Default)]
 pub struct ContactTable {
+    /// Pairs of spheres, which have no slots.
+    pub spheres: SpherePairs,
     /// Grouped by kind.
     pub slots: Vec<Slot>,
     /// Result of each slot.
@@ -183,10 +190,15 @@ pub struct ContactTable {
 }
 
 impl ContactTable {
-    /// Takes new slots; contacts and wrenches are emptied, buffers kept.
-    pub fn reset(&mut self, slots: impl Iterator<Item = Slot>) {
+    /// Forgets all pairs, as before a change of the particles.
+    pub fn clear(&mut self) {
+        self.spheres.clear();
         self.slots.clear();
-        self.slots.extend(slots);
+        self.reset();
+    }
+
+    /// Makes room for new `slots`; contacts and wrenches are emptied, buffers kept.
+    pub fn reset(&mut self) {
         let n = self.slots.len();
         self.wrenches.clear();
         self.wrenches.resize(n, Wrench::default());
@@ -221,6 +233,10 @@ impl ContactTable {
     pub fn sums(&self) -> Sums {
         let mut sums = Sums::default();
         self.chunks.iter().for_each(|chunk| sums.add(&chunk.sums));
+        let mut of_spheres = Sums::default();
+        self.spheres.sums().iter().for_each(|chunk| of_spheres.add(chunk));
+        of_spheres.largest_slot += self.slots.len() as u32;
+        sums.add(&of_spheres);
         sums
     }
 }

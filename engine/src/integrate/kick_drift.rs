@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::omelyan;
 use crate::math::Vec3;
+use crate::parallel::least;
 use crate::particles::{ContactMotion, Particles};
 
 /// Rows per task: small enough to balance, large enough to amortise; never a function of the thread count.
@@ -14,15 +15,15 @@ const CHUNK: usize = 512;
 pub struct DriftReport {
     /// Rows whose rotation did not converge.
     pub not_converged: u64,
-    /// Largest displacement over the bounding radius.
-    pub largest_relative_displacement: f64,
+    /// Square of the largest displacement over the bounding radius.
+    pub largest_displacement_squared: f64,
 }
 
 impl DriftReport {
     fn merged(self, other: Self) -> Self {
         Self {
             not_converged: self.not_converged + other.not_converged,
-            largest_relative_displacement: self.largest_relative_displacement.max(other.largest_relative_displacement),
+            largest_displacement_squared: self.largest_displacement_squared.max(other.largest_displacement_squared),
         }
     }
 }
@@ -57,9 +58,10 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
     let half = 0.5 * dt;
     rows.into_par_iter()
         .enumerate()
-        .with_min_len(CHUNK)
+        .with_min_len(least(n, CHUNK, 15))
         .map(|(row, (x, v, q, momentum, rotation, motion))| {
-            let acceleration = force[row] / mass[row] + gravity;
+            // One division where `/` on vectors makes three.
+            let acceleration = force[row] * (1.0 / mass[row]) + gravity;
             *v += acceleration * half;
             *x += *v * dt;
             motion.mean_velocity = *v;
@@ -77,12 +79,14 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
                 motion.mean_angular_velocity = *rotation * middle.angular_velocity_in_body;
                 motion.angular_velocity = *rotation * rotation.tr_mul(&predicted).component_div(inertia);
             } else {
-                motion.mean_angular_velocity = *momentum / inertia.x;
-                motion.angular_velocity = predicted / inertia.x;
+                let mobility = 1.0 / inertia.x;
+                motion.mean_angular_velocity = *momentum * mobility;
+                motion.angular_velocity = predicted * mobility;
             }
             DriftReport {
                 not_converged: u64::from(!converged),
-                largest_relative_displacement: motion.mean_velocity.norm() * dt / radius[row],
+                largest_displacement_squared: motion.mean_velocity.norm_squared() * (dt * dt)
+                    / (radius[row] * radius[row]),
             }
         })
         .reduce(DriftReport::default, DriftReport::merged)
@@ -97,9 +101,9 @@ pub fn kick(particles: &mut Particles, gravity: &Vec3, dt: f64) -> Option<usize>
     (velocity[..n].par_iter_mut(), angular_momentum[..n].par_iter_mut())
         .into_par_iter()
         .enumerate()
-        .with_min_len(CHUNK)
+        .with_min_len(least(n, CHUNK, 8))
         .filter_map(|(row, (v, momentum))| {
-            *v += (force[row] / mass[row] + gravity) * half;
+            *v += (force[row] * (1.0 / mass[row]) + gravity) * half;
             *momentum += torque[row] * half;
             // One sum is finite only if every term is (or overflows, which is as bad).
             let sum = v.sum() + momentum.sum() + position[row].sum();

@@ -56,14 +56,6 @@ impl Scene {
                 1.0 / CONTACTS_PER_BODY.sqrt()
             ));
         }
-        let (low, high) =
-            self.particles().iter().map(|p| p.radius).fold((f64::INFINITY, 0.0f64), |(l, h), r| (l.min(r), h.max(r)));
-        if high > 5.0 * low {
-            warnings.push(format!(
-                "bounding radii span a factor of {:.0}: the neighbour grid has one level, so the search will be slow",
-                high / low
-            ));
-        }
         let resting = self.resting_overlap_ratio();
         if let Some(ratio) = resting.filter(|&ratio| ratio > LARGE_RESTING_OVERLAP) {
             warnings.push(format!(

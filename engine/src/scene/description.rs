@@ -131,7 +131,7 @@ pub struct ContactSection {
     pub contact_end: ContactEnd,
     /// Tangential law.
     pub tangential: Tangential,
-    /// Neighbour skin over the smallest bounding diameter; chosen by the engine when absent.
+    /// Neighbour skin over the harmonic mean of the bounding diameters; chosen by the engine when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skin_fraction: Option<f64>,
     /// The run stops when an overlap exceeds this part of the smaller bounding radius.

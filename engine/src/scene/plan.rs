@@ -11,11 +11,15 @@ pub struct Plan {
     pub lines: Vec<String>,
     /// Tangential springs are kept.
     pub history: bool,
+    /// Every shape is a sphere.
+    pub all_spheres: bool,
+    /// The sphere batch has the laws of this scene.
+    pub sphere_batch: bool,
     /// By shape: orientation is integrated.
     pub rotates: Vec<bool>,
     /// By shape: what the broad phase needs.
     pub reaches: Vec<ShapeReach>,
-    /// Neighbour skin over the smallest bounding diameter.
+    /// Neighbour skin over the harmonic mean of the bounding diameters.
     pub skin_fraction: f64,
 }
 
@@ -28,8 +32,15 @@ impl Plan {
         let rotates: Vec<bool> = reaches.iter().map(|reach| !reach.is_sphere).collect();
         let skin_fraction = description.contact.skin_fraction.unwrap_or(DEFAULT_SKIN_FRACTION);
         let all_spheres = reaches.iter().all(|reach| reach.is_sphere);
+        // Without a wildcard: a new law is either written there or named here.
+        let sphere_batch = match (description.contact.normal, description.contact.tangential) {
+            (NormalLaw::Linear | NormalLaw::GeneralizedOverlap, Tangential::CoulombHistory | Tangential::None) => true,
+        };
         let mut lines = vec![
-            format!("neighbours: grid, skin {:.1} % of the smallest bounding diameter", 100.0 * skin_fraction),
+            format!(
+                "neighbours: hierarchical grid, skin {:.1} % of the harmonic mean of the bounding diameters",
+                100.0 * skin_fraction
+            ),
             if all_spheres {
                 "contact geometry: spheres only; no polyhedron test".into()
             } else {
@@ -62,7 +73,7 @@ impl Plan {
             n => format!("boundaries: {n}"),
         });
         lines.push("fields: computed only while somebody subscribes or asks".into());
-        Self { lines, history, rotates, reaches, skin_fraction }
+        Self { lines, history, all_spheres, sphere_batch, rotates, reaches, skin_fraction }
     }
 }
 

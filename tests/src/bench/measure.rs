@@ -90,6 +90,8 @@ pub struct Measurement {
     pub stage_share: serde_json::Map<String, serde_json::Value>,
     /// Largest resident memory of the process so far, where the system tells.
     pub peak_rss_mib: Option<f64>,
+    /// Cost of a rebuild of the neighbour list, with all that a step after it has to do more, over that of a step.
+    pub rebuild_over_step: f64,
     /// Rebuilds of the neighbour list in all steps.
     pub neighbour_rebuilds: u64,
     /// Largest overlap over the smaller bounding radius, at the end.
@@ -125,6 +127,7 @@ pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Me
     }
     rates.sort_unstable_by(f64::total_cmp);
     let stage_share = stage_shares(&mut engine, plan.steps)?;
+    let rebuild_over_step = rebuild_over_step(&mut engine)?;
     let report = engine.report();
     let rate = median(&rates);
     let per_mgd = 1.0 / (engine.len() as f64 * workload.energy_unit_j());
@@ -143,6 +146,7 @@ pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Me
         us_per_touching_pair: 1e6 * report.particles as f64 / rate / report.touching_pairs.max(1) as f64,
         stage_share,
         peak_rss_mib: peak_rss_mib(),
+        rebuild_over_step,
         neighbour_rebuilds: report.neighbour_rebuilds,
         largest_overlap_ratio: report.largest_overlap_ratio,
         kinetic_energy_per_mgd: kinetic(&engine, workload),
@@ -187,6 +191,25 @@ fn stage_shares(engine: &mut Engine, n: u64) -> anyhow::Result<serde_json::Map<S
     let sum: f64 = totals.iter().map(Duration::as_secs_f64).sum();
     let share = |(stage, total): (&Stage, &Duration)| (stage.name().to_owned(), (total.as_secs_f64() / sum).into());
     Ok(Stage::ALL.iter().zip(totals.iter()).map(share).collect())
+}
+
+/// Median over pairs of a step with a forced rebuild and a stretch of steps without: what the machine does besides
+/// hits both alike.
+fn rebuild_over_step(engine: &mut Engine) -> anyhow::Result<f64> {
+    const PAIRS: usize = 15;
+    const PLAIN: u64 = 4;
+    let mut ratios = Vec::with_capacity(PAIRS);
+    for _ in 0..PAIRS {
+        let start = Instant::now();
+        steps(engine, PLAIN)?;
+        let plain = start.elapsed().as_secs_f64() / PLAIN as f64;
+        engine.expire_neighbours();
+        let start = Instant::now();
+        steps(engine, 1)?;
+        ratios.push(start.elapsed().as_secs_f64() / plain - 1.0);
+    }
+    ratios.sort_unstable_by(f64::total_cmp);
+    Ok(median(&ratios))
 }
 
 /// `VmHWM` of `/proc/self/status`.

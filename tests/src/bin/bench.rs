@@ -68,7 +68,7 @@ fn main() -> anyhow::Result<()> {
 
 fn print_head() {
     println!(
-        "{:13} {:>3} {:>9} {:>7} {:>7} {:>11} {:>17} {:>8} {:>8} {:>8} {:>9} {:>8}",
+        "{:13} {:>3} {:>9} {:>7} {:>7} {:>11} {:>17} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}",
         "workload",
         "thr",
         "particles",
@@ -78,6 +78,7 @@ fn print_head() {
         "slowest..fastest",
         "us/pair",
         "rebuilds",
+        "re/step",
         "overlap",
         "E_kin/mgd",
         "RSS MiB"
@@ -87,7 +88,7 @@ fn print_head() {
 fn print_row(m: &Measurement) {
     let [slowest, fastest] = m.particle_steps_per_s_range;
     println!(
-        "{:13} {:>3} {:>9} {:>7} {:>7} {:>11.3e} {:>17} {:>8.3} {:>8} {:>8.1e} {:>9.1e} {:>8.0}",
+        "{:13} {:>3} {:>9} {:>7} {:>7} {:>11.3e} {:>17} {:>8.3} {:>8} {:>8.1} {:>8.1e} {:>9.1e} {:>8.0}",
         m.workload,
         m.threads,
         m.particles,
@@ -97,6 +98,7 @@ fn print_row(m: &Measurement) {
         format!("{slowest:.2e}..{fastest:.2e}"),
         m.us_per_touching_pair,
         m.neighbour_rebuilds,
+        m.rebuild_over_step,
         m.largest_overlap_ratio,
         m.kinetic_energy_per_mgd,
         m.peak_rss_mib.unwrap_or(f64::NAN)

@@ -8,6 +8,7 @@ mod rotation;
 mod rounded;
 mod rounded_pose;
 mod shapes;
+mod size_ratio;
 mod sliding;
 mod stability;
 
@@ -135,6 +136,7 @@ pub fn registry() -> Vec<Case> {
         degenerate::cases(),
         periodic::cases(),
         refusals::cases(),
+        size_ratio::cases(),
         rounded::cases(),
     ]
     .into_iter()

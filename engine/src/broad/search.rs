@@ -1,0 +1,150 @@
+//! All pairs of parts with a gap below the skin.
+
+use rayon::prelude::*;
+
+use super::levels::Levels;
+use super::neighbours::NeighbourInputs;
+use crate::contact::{Slot, SlotKind};
+use crate::narrow::apart_by;
+use crate::parallel::least;
+use crate::particles::Particles;
+use crate::shape::{Part, PartGeometry};
+
+/// Rows per task; never a function of the thread count.
+const ROWS: usize = 256;
+
+/// What one task found, by kind; kept from rebuild to rebuild for its buffers.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// Rows of two spheres, that of the lower id first.
+    pub spheres: Vec<[u32; 2]>,
+    parts: Vec<Slot>,
+    rounded_parts: Vec<Slot>,
+    walls: Vec<Slot>,
+    rounded_walls: Vec<Slot>,
+}
+
+impl Found {
+    /// In the order of [`SlotKind`].
+    fn by_kind(&self) -> [&Vec<Slot>; 4] {
+        [&self.parts, &self.rounded_parts, &self.walls, &self.rounded_walls]
+    }
+
+    fn clear(&mut self) {
+        self.spheres.clear();
+        self.parts.clear();
+        self.rounded_parts.clear();
+        self.walls.clear();
+        self.rounded_walls.clear();
+    }
+}
+
+/// What the search reads.
+pub(super) struct Search<'a> {
+    pub particles: &'a Particles,
+    pub inputs: &'a NeighbourInputs<'a>,
+    pub levels: &'a Levels,
+    /// m
+    pub skin: f64,
+}
+
+fn is_polyhedron(part: &Part) -> bool {
+    matches!(part.geometry, PartGeometry::Polyhedron(_))
+}
+
+impl Search<'_> {
+    /// Fills `found` by task, and `slots` grouped by kind, in an order that does not depend on the thread count.
+    pub fn run(&self, found: &mut Vec<Found>, slots: &mut Vec<Slot>) {
+        let n = self.particles.n_owned();
+        let tasks = n.div_ceil(ROWS);
+        found.resize_with(tasks, Found::default);
+        found.par_iter_mut().enumerate().with_min_len(least(n, ROWS, 150).div_ceil(ROWS)).for_each(|(task, found)| {
+            found.clear();
+            for row in task * ROWS..((task + 1) * ROWS).min(n) {
+                self.find_partners(row, found);
+                self.find_walls(row, found);
+            }
+        });
+        slots.clear();
+        for kind in 0..4 {
+            found.iter().for_each(|found| slots.extend_from_slice(found.by_kind()[kind]));
+        }
+    }
+
+    fn find_partners(&self, row: usize, found: &mut Found) {
+        let particles = self.particles;
+        let (owned, id, radius) = (particles.n_owned(), particles.ids[row], particles.radius[row]);
+        let reach = radius + self.skin;
+        self.levels.visit(&particles.position[row], radius, |others, same_level| {
+            for &other in others {
+                let other = other as usize;
+                // Each pair once. On one level: owned pairs from the lower row, images from the row with the lower id.
+                // On two: from the smaller side, so that only the larger one needs images.
+                if same_level && other <= row {
+                    continue;
+                }
+                let reach = reach + particles.radius[other];
+                if particles.separation(row, other).norm_squared() >= reach * reach {
+                    continue;
+                }
+                let other_id = particles.ids[particles.owner(other)];
+                if same_level && other >= owned && other_id <= id {
+                    continue;
+                }
+                let (a, b) = if id < other_id { (row, other) } else { (other, row) };
+                self.find_parts(a, b, found);
+            }
+        });
+    }
+
+    fn find_parts(&self, a: usize, b: usize, found: &mut Found) {
+        let (particles, inputs) = (self.particles, self.inputs);
+        let (shape_a, shape_b) = (particles.shape[a] as usize, particles.shape[b] as usize);
+        if inputs.sphere_batch && inputs.reaches[shape_a].is_sphere && inputs.reaches[shape_b].is_sphere {
+            found.spheres.push([a as u32, b as u32]);
+            return;
+        }
+        let slot = |part_a: usize, part_b: usize, kind: SlotKind| Slot {
+            a: a as u32,
+            b: b as u32,
+            part_a: part_a as u16,
+            part_b: part_b as u16,
+            kind,
+        };
+        let (a_from_b, scale) = particles.a_from_b(a, b, &particles.separation(a, b));
+        for (ka, part_a) in inputs.shapes[shape_a].parts().iter().enumerate() {
+            for (kb, part_b) in inputs.shapes[shape_b].parts().iter().enumerate() {
+                if apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
+                    continue;
+                }
+                if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
+                    found.rounded_parts.push(slot(ka, kb, SlotKind::RoundedParts));
+                } else {
+                    found.parts.push(slot(ka, kb, SlotKind::Parts));
+                }
+            }
+        }
+    }
+
+    fn find_walls(&self, row: usize, found: &mut Found) {
+        let (particles, inputs) = (self.particles, self.inputs);
+        for (index, boundary) in inputs.boundaries.iter().enumerate() {
+            if boundary.distance(&particles.position[row]) >= particles.radius[row] + self.skin {
+                continue;
+            }
+            for (k, part) in inputs.shapes[particles.shape[row] as usize].parts().iter().enumerate() {
+                let scale = particles.scale[row];
+                let centre = particles.position[row] + particles.rotation[row] * (part.center * scale);
+                if boundary.distance(&centre) < part.radius * scale + self.skin {
+                    let rounded = inputs.rounded && is_polyhedron(part);
+                    let (kind, list) = if rounded {
+                        (SlotKind::RoundedWall, &mut found.rounded_walls)
+                    } else {
+                        (SlotKind::Wall, &mut found.walls)
+                    };
+                    list.push(Slot { a: row as u32, b: index as u32, part_a: k as u16, part_b: 0, kind });
+                }
+            }
+        }
+    }
+}

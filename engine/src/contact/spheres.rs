@@ -1,0 +1,489 @@
+//! Pairs of spheres in one pass: geometry, spring and force from the columns, without slots, contact lists and features.
+//!
+//! Pairs are sorted by (row of the side with the lower id, id of the other), a row's pairs in one chunk. So side a is
+//! read once and summed where it stands, and each side's sum runs in the order of partners' ids: first the pairs in which
+//! the row is a, then those in which it is b. A pair keeps its spring in place until the next rebuild, which finds it
+//! again in the list of the same particle. Of 3.4 listed pairs per particle in a bed two touch: a first pass over a block
+//! picks them without a branch, as a branch there would be mispredicted every third time.
+
+use super::evaluate::ForceInputs;
+use super::law::PairTable;
+use super::sphere_lanes::{BLOCK, Lanes, get, set};
+use super::table::Sums;
+use crate::math::Vec3;
+use crate::parallel::worthwhile;
+use crate::particles::{Particles, Place};
+use crate::scene::Tangential;
+
+/// Rows per task; never a function of the thread count.
+const ROWS: usize = 256;
+/// Cost of a listed pair, ns, on average over a bed.
+const NS_PER_PAIR: usize = 20;
+
+/// Two spheres that may touch, `a` having the lower id; either may be a ghost, not both.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpherePair {
+    /// Row of the lower id.
+    pub a: u32,
+    /// Row of the higher id.
+    pub b: u32,
+    /// Normal dashpot coefficient, N s/m: a function of masses and materials, which only change with the list.
+    damping: f64,
+}
+
+impl SpherePair {
+    /// Ids of both sides.
+    pub fn ids(&self, particles: &Particles) -> [u64; 2] {
+        [self.a, self.b].map(|row| particles.ids[particles.owner(row as usize)])
+    }
+
+    fn id_b(&self, particles: &Particles) -> u64 {
+        self.ids(particles)[1]
+    }
+}
+
+/// Force and torque of one side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Side {
+    force: Vec3,
+    torque: Vec3,
+}
+
+/// All pairs of spheres.
+#[derive(Clone, Debug, Default)]
+pub struct SpherePairs {
+    /// Sorted by (row that owns side a, id of the other).
+    pairs: Vec<SpherePair>,
+    /// By pair: tangential spring, m; 0 where nothing touches.
+    springs: Vec<Vec3>,
+    /// By pair: on side b (0 where nothing touches).
+    on_b: Vec<Side>,
+    /// By pair.
+    touching: Vec<bool>,
+    /// By row: sum over the pairs in which it is side a.
+    on_a: Vec<Side>,
+    /// By row: its pairs as side a (n + 1).
+    starts: Vec<u32>,
+    /// By row: its entries in `as_b` (n + 1).
+    starts_b: Vec<u32>,
+    /// Pairs in which a row is side b, in the order of the partners' ids.
+    as_b: Vec<u32>,
+    /// By chunk of rows.
+    sums: Vec<Sums>,
+    old: OldPairs,
+    next: Vec<u32>,
+}
+
+/// What the list before the rebuild knew; and the ids that keep it findable.
+#[derive(Clone, Debug, Default)]
+struct OldPairs {
+    starts: Vec<u32>,
+    /// By pair: id of side b.
+    ids: Vec<u64>,
+    springs: Vec<Vec3>,
+}
+
+/// The columns of a stretch of chunks.
+struct Stretch<'a> {
+    first_row: usize,
+    pairs: &'a [SpherePair],
+    springs: &'a mut [Vec3],
+    on_b: &'a mut [Side],
+    touching: &'a mut [bool],
+    on_a: &'a mut [Side],
+    sums: &'a mut [Sums],
+}
+
+/// A chunk to be evaluated by code for the instruction set at hand, chosen at run time; the bits do not depend on it.
+struct ChunkTask<'a, 'b> {
+    stretch: Stretch<'a>,
+    first_pair: usize,
+    inputs: &'b ForceInputs<'b>,
+}
+
+impl pulp::WithSimd for ChunkTask<'_, '_> {
+    type Output = ();
+
+    // What is inlined here, and only that, is compiled for each instruction set.
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) {
+        self.stretch.evaluate_blocks(self.first_pair, self.inputs);
+    }
+}
+
+/// A touching pair of a block.
+#[derive(Clone, Copy, Default)]
+struct Touch {
+    /// Within the block.
+    index: u32,
+    /// Square of the distance of the centres, m2.
+    distance2: f64,
+    /// From a to b, m.
+    d: Vec3,
+    /// m
+    radii: [f64; 2],
+    owners: [u32; 2],
+    materials: [u32; 2],
+    /// The smaller of them.
+    smaller: f64,
+    /// Distances of the point from both centres, m.
+    arms: [f64; 2],
+}
+
+impl SpherePairs {
+    /// Listed pairs.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// A listed pair.
+    pub fn pair(&self, index: usize) -> &SpherePair {
+        &self.pairs[index]
+    }
+
+    /// Pairs that touch.
+    pub fn touching(&self) -> u64 {
+        self.touching.iter().filter(|touching| **touching).count() as u64
+    }
+
+    /// Pairs with a spring, and the springs.
+    pub fn springs(&self) -> impl Iterator<Item = (&SpherePair, &Vec3)> {
+        self.pairs.iter().zip(&self.springs).filter(|(_, spring)| **spring != Vec3::zeros())
+    }
+
+    /// Sums of the chunks, in order.
+    pub fn sums(&self) -> &[Sums] {
+        &self.sums
+    }
+
+    /// Sum over the pairs of an owned row.
+    #[inline]
+    pub fn sum_of_row(&self, row: usize) -> (Vec3, Vec3) {
+        let Some(Side { mut force, mut torque }) = self.on_a.get(row).copied() else {
+            return (Vec3::zeros(), Vec3::zeros());
+        };
+        for &index in &self.as_b[self.starts_b[row] as usize..self.starts_b[row + 1] as usize] {
+            let side = &self.on_b[index as usize];
+            force += side.force;
+            torque += side.torque;
+        }
+        (force, torque)
+    }
+
+    /// Forgets all pairs.
+    pub fn clear(&mut self) {
+        self.pairs.clear();
+        self.springs.clear();
+        self.on_b.clear();
+        self.touching.clear();
+        self.on_a.clear();
+        self.starts.clear();
+        self.starts_b.clear();
+        self.as_b.clear();
+        self.sums.clear();
+    }
+
+    /// Puts aside what the next list takes over, before the rows change.
+    pub fn keep(&mut self, particles: &Particles) {
+        self.old.ids.clear();
+        self.old.ids.extend(self.pairs.iter().map(|pair| pair.id_b(particles)));
+        std::mem::swap(&mut self.old.springs, &mut self.springs);
+        std::mem::swap(&mut self.old.starts, &mut self.starts);
+        self.clear();
+    }
+
+    /// Takes the pairs of a new list, as (row of the lower id, row of the other), and the springs of the old one. Row k
+    /// was row `order[k]` when they were put aside.
+    pub fn rebuild<'a>(
+        &mut self,
+        found: impl Iterator<Item = &'a [[u32; 2]]> + Clone,
+        particles: &Particles,
+        laws: &PairTable,
+        order: &[u32],
+    ) {
+        if found.clone().all(<[_]>::is_empty) {
+            return;
+        }
+        let n = particles.n_owned();
+        let pairs = || found.clone().flatten().map(|&[a, b]| (particles.owner(a as usize), a, b));
+        count_starts(&mut self.starts, n, pairs().map(|(owner, ..)| owner));
+        let total = self.starts[n] as usize;
+        self.pairs.resize(total, SpherePair::default());
+        self.next.clone_from(&self.starts);
+        for (owner_a, a, b) in pairs() {
+            let owner_b = particles.owner(b as usize);
+            let (material_a, material_b) = (particles.material[owner_a], particles.material[owner_b]);
+            let (mass_a, mass_b) = (particles.mass[owner_a], particles.mass[owner_b]);
+            let at = &mut self.next[owner_a];
+            self.pairs[*at as usize] = SpherePair {
+                a,
+                b,
+                damping: laws.law(material_a, material_b).damping(mass_a * mass_b / (mass_a + mass_b)),
+            };
+            *at += 1;
+        }
+        for row in 0..n {
+            self.pairs[self.starts[row] as usize..self.starts[row + 1] as usize]
+                .sort_unstable_by_key(|pair| (pair.id_b(particles), pair.a, pair.b));
+        }
+        self.springs.resize(total, Vec3::zeros());
+        self.on_b.resize(total, Side::default());
+        self.touching.resize(total, false);
+        self.on_a.resize(n, Side::default());
+        self.sums.resize(n.div_ceil(ROWS), Sums::default());
+        self.link(particles);
+        self.take_springs(particles, order);
+    }
+
+    /// Lists each row's pairs as side b in the order of the partners' ids.
+    fn link(&mut self, particles: &Particles) {
+        let n = particles.n_owned();
+        count_starts(&mut self.starts_b, n, self.pairs.iter().map(|pair| particles.owner(pair.b as usize)));
+        self.as_b.resize(self.pairs.len(), 0);
+        self.next.clone_from(&self.starts_b);
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let at = &mut self.next[particles.owner(pair.b as usize)];
+            self.as_b[*at as usize] = index as u32;
+            *at += 1;
+        }
+        let Self { starts_b, as_b, pairs, .. } = self;
+        let key = |index: &u32| {
+            let pair = &pairs[*index as usize];
+            (pair.ids(particles)[0], pair.a, pair.b)
+        };
+        for row in 0..n {
+            as_b[starts_b[row] as usize..starts_b[row + 1] as usize].sort_unstable_by_key(key);
+        }
+    }
+
+    /// Finds the spring of each pair among those of the same particle. A pair with a spring has touched, so that the
+    /// next step clears it should the pair have parted.
+    fn take_springs(&mut self, particles: &Particles, order: &[u32]) {
+        let Self { old, starts, pairs, springs, touching, .. } = self;
+        if old.starts.len() != order.len() + 1 {
+            return;
+        }
+        for (row, &was) in order.iter().enumerate() {
+            let (mut at, end) = (old.starts[was as usize] as usize, old.starts[was as usize + 1] as usize);
+            for index in starts[row] as usize..starts[row + 1] as usize {
+                let id = pairs[index].id_b(particles);
+                while at < end && old.ids[at] < id {
+                    at += 1;
+                }
+                if at < end && old.ids[at] == id {
+                    springs[index] = old.springs[at];
+                    touching[index] = old.springs[at] != Vec3::zeros();
+                    at += 1;
+                }
+            }
+        }
+    }
+
+    /// Gives the pair of two ids, found by `row` of the lower one, a spring that was kept elsewhere.
+    pub fn restore(&mut self, row: usize, id_b: u64, spring: Vec3, particles: &Particles) {
+        if row + 1 >= self.starts.len() {
+            return;
+        }
+        let range = self.starts[row] as usize..self.starts[row + 1] as usize;
+        let found = range.clone().find(|&index| self.pairs[index].id_b(particles) == id_b);
+        if let Some(index) = found {
+            self.springs[index] = spring;
+            self.touching[index] = true;
+        }
+    }
+
+    /// Geometry, springs and forces of all pairs.
+    pub(super) fn evaluate(&mut self, inputs: &ForceInputs<'_>) {
+        if self.pairs.is_empty() {
+            return;
+        }
+        let share = worthwhile(self.pairs.len(), NS_PER_PAIR);
+        let Self { pairs, springs, on_b, touching, on_a, sums, starts, .. } = self;
+        let stretch = Stretch { first_row: 0, pairs, springs, on_b, touching, on_a, sums };
+        stretch.evaluate(starts, inputs, share);
+    }
+}
+
+/// CSR starts over `n` rows from the row of each item.
+fn count_starts(starts: &mut Vec<u32>, n: usize, rows: impl Iterator<Item = usize>) {
+    starts.clear();
+    starts.resize(n + 1, 0);
+    rows.for_each(|row| starts[row + 1] += 1);
+    for row in 0..n {
+        starts[row + 1] += starts[row];
+    }
+}
+
+impl Stretch<'_> {
+    /// Splits down to single chunks. `starts` is that of all rows.
+    fn evaluate(self, starts: &[u32], inputs: &ForceInputs<'_>, share: bool) {
+        let chunks = self.sums.len();
+        if chunks == 1 {
+            let first_pair = starts[self.first_row] as usize;
+            return self.evaluate_chunk(first_pair, inputs);
+        }
+        let rows = chunks / 2 * ROWS;
+        let middle_row = self.first_row + rows;
+        let pairs = (starts[middle_row] - starts[self.first_row]) as usize;
+        let (springs, springs_right) = self.springs.split_at_mut(pairs);
+        let (on_b, on_b_right) = self.on_b.split_at_mut(pairs);
+        let (touching, touching_right) = self.touching.split_at_mut(pairs);
+        let (on_a, on_a_right) = self.on_a.split_at_mut(rows);
+        let (sums, sums_right) = self.sums.split_at_mut(chunks / 2);
+        let left =
+            Stretch { first_row: self.first_row, pairs: &self.pairs[..pairs], springs, on_b, touching, on_a, sums };
+        let right = Stretch {
+            first_row: middle_row,
+            pairs: &self.pairs[pairs..],
+            springs: springs_right,
+            on_b: on_b_right,
+            touching: touching_right,
+            on_a: on_a_right,
+            sums: sums_right,
+        };
+        if share {
+            rayon::join(|| left.evaluate(starts, inputs, share), || right.evaluate(starts, inputs, share));
+        } else {
+            left.evaluate(starts, inputs, share);
+            right.evaluate(starts, inputs, share);
+        }
+    }
+
+    fn evaluate_chunk(self, first_pair: usize, inputs: &ForceInputs<'_>) {
+        pulp::Arch::new().dispatch(ChunkTask { stretch: self, first_pair, inputs });
+    }
+
+    #[inline(always)]
+    fn evaluate_blocks(&mut self, first_pair: usize, inputs: &ForceInputs<'_>) {
+        let friction = inputs.tangential == Tangential::CoulombHistory && inputs.pairs.any_friction();
+        let stretch_time_s = friction.then_some(inputs.stretch_time_s);
+        let mut sums = Sums::default();
+        self.on_a.fill(Side::default());
+        let mut touches = [Touch::default(); BLOCK];
+        let mut lanes = Lanes::new();
+        let mut deepest = Deepest::default();
+        for first in (0..self.pairs.len()).step_by(BLOCK) {
+            let count = self.find_touching(first, &inputs.particles.places, &mut touches);
+            let touches = &mut touches[..count];
+            self.load(first, touches, &mut lanes, inputs);
+            lanes.evaluate(count, inputs.contact_end, stretch_time_s);
+            for (k, touch) in touches.iter().enumerate() {
+                deepest.take(lanes.overlap[k], touch.smaller, first_pair + first + touch.index as usize);
+            }
+            self.store(first, touches, &lanes, &mut sums);
+        }
+        if deepest.overlap > 0.0 {
+            sums.largest_overlap = deepest.absolute;
+            (sums.largest_ratio, sums.largest_slot) = (deepest.overlap / deepest.smaller, deepest.index);
+        }
+        self.sums[0] = sums;
+    }
+
+    /// Writes the touching pairs of a block to the front of `touches` and returns their number; clears what has parted.
+    #[inline(always)]
+    fn find_touching(&mut self, first: usize, places: &[Place], touches: &mut [Touch; BLOCK]) -> usize {
+        let last = (first + BLOCK).min(self.pairs.len());
+        let (springs, on_b) = (&mut self.springs[first..last], &mut self.on_b[first..last]);
+        let mut count = 0;
+        for (index, (pair, was)) in self.pairs[first..last].iter().zip(&mut self.touching[first..last]).enumerate() {
+            let (a, b) = (&places[pair.a as usize], &places[pair.b as usize]);
+            // In these very operations wherever two rows are compared: see `Particles::offset`.
+            let d = (b.position - a.position) + (b.offset - a.offset);
+            let distance2 = d.norm_squared();
+            let reach = a.radius + b.radius;
+            let touching = distance2 < reach * reach;
+            touches[count & (BLOCK - 1)] = Touch {
+                index: index as u32,
+                distance2,
+                d,
+                radii: [a.radius, b.radius],
+                owners: [a.owner, b.owner],
+                materials: [a.material, b.material],
+                ..Touch::default()
+            };
+            count += usize::from(touching);
+            if *was && !touching {
+                springs[index] = Vec3::zeros();
+                on_b[index] = Side::default();
+            }
+            *was = touching;
+        }
+        count
+    }
+
+    /// Collects what the laws read. Velocities at the point differ by `v_a - v_b + (l_a w_a + l_b w_b) x n`.
+    #[inline(always)]
+    fn load(&self, first: usize, touches: &mut [Touch], lanes: &mut Lanes, inputs: &ForceInputs<'_>) {
+        let motion = inputs.particles.motion.as_slice();
+        for (k, touch) in touches.iter_mut().enumerate() {
+            let index = first + touch.index as usize;
+            let pair = &self.pairs[index];
+            let (of_a, of_b) = (&motion[touch.owners[0] as usize], &motion[touch.owners[1] as usize]);
+            let [a, b] = touch.radii;
+            let distance = touch.distance2.sqrt();
+            let overlap = (a + b) - distance;
+            touch.arms = [a - 0.5 * overlap, b - 0.5 * overlap];
+            touch.smaller = a.min(b);
+            let [arm_a, arm_b] = touch.arms;
+            lanes.distance[k] = distance;
+            lanes.overlap[k] = overlap;
+            set(&mut lanes.normal, k, &touch.d);
+            set(&mut lanes.velocity, k, &(of_a.velocity - of_b.velocity));
+            set(&mut lanes.mean_velocity, k, &(of_a.mean_velocity - of_b.mean_velocity));
+            set(&mut lanes.turning, k, &(of_a.angular_velocity * arm_a + of_b.angular_velocity * arm_b));
+            let mean_turning = of_a.mean_angular_velocity * arm_a + of_b.mean_angular_velocity * arm_b;
+            set(&mut lanes.mean_turning, k, &mean_turning);
+            set(&mut lanes.spring, k, &self.springs[index]);
+            let law = inputs.pairs.law(touch.materials[0], touch.materials[1]);
+            lanes.stiffness[k] = law.stiffness;
+            lanes.damping[k] = pair.damping;
+            lanes.tangential_stiffness[k] = law.tangential_stiffness;
+            lanes.tangential_damping[k] = pair.damping * law.tangential_damping_ratio;
+            lanes.friction[k] = law.friction;
+        }
+    }
+
+    /// Hands the answers out, in the order of pairs.
+    #[inline(always)]
+    fn store(&mut self, first: usize, touches: &[Touch], lanes: &Lanes, sums: &mut Sums) {
+        for (k, touch) in touches.iter().enumerate() {
+            let index = first + touch.index as usize;
+            let (force, twist) = (get(&lanes.force, k), get(&lanes.twist, k));
+            let on_a = &mut self.on_a[touch.owners[0] as usize - self.first_row];
+            on_a.force += force;
+            on_a.torque += twist * touch.arms[0];
+            self.on_b[index] = Side { force: -force, torque: twist * touch.arms[1] };
+            self.springs[index] = get(&lanes.spring, k);
+            sums.elastic_normal += lanes.elastic[0][k];
+            sums.elastic_tangential += lanes.elastic[1][k];
+            sums.power_normal += lanes.power[0][k];
+            sums.power_tangential += lanes.power[1][k];
+        }
+        sums.points_by_kind[0] += touches.len() as u64;
+    }
+}
+
+/// The largest overlap over the smaller radius, compared without a division.
+#[derive(Default)]
+struct Deepest {
+    absolute: f64,
+    overlap: f64,
+    smaller: f64,
+    index: u32,
+}
+
+impl Deepest {
+    #[inline(always)]
+    fn take(&mut self, overlap: f64, smaller: f64, index: usize) {
+        let absolute = self.absolute.max(overlap);
+        if overlap * self.smaller > self.overlap * smaller || self.smaller == 0.0 {
+            *self = Self { absolute, overlap, smaller, index: index as u32 };
+        }
+        self.absolute = absolute;
+    }
+}
