@@ -7,6 +7,7 @@ mod find;
 mod history;
 pub mod law;
 mod overlap;
+mod sphere_batch;
 mod sphere_lanes;
 mod spheres;
 mod table;

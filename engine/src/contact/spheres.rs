@@ -8,15 +8,14 @@
 
 use super::evaluate::ForceInputs;
 use super::law::PairTable;
-use super::sphere_lanes::{BLOCK, Lanes, get, set};
+use super::sphere_batch::Stretch;
 use super::table::Sums;
 use crate::math::Vec3;
 use crate::parallel::worthwhile;
-use crate::particles::{Particles, Place};
-use crate::scene::Tangential;
+use crate::particles::Particles;
 
 /// Rows per task; never a function of the thread count.
-const ROWS: usize = 256;
+pub(super) const ROWS: usize = 256;
 /// Cost of a listed pair, ns, on average over a bed.
 const NS_PER_PAIR: usize = 20;
 
@@ -28,7 +27,7 @@ pub struct SpherePair {
     /// Row of the higher id.
     pub b: u32,
     /// Normal dashpot coefficient, N s/m: a function of masses and materials, which only change with the list.
-    damping: f64,
+    pub(super) damping: f64,
 }
 
 impl SpherePair {
@@ -44,9 +43,9 @@ impl SpherePair {
 
 /// Force and torque of one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Side {
-    force: Vec3,
-    torque: Vec3,
+pub(super) struct Side {
+    pub force: Vec3,
+    pub torque: Vec3,
 }
 
 /// All pairs of spheres.
@@ -81,53 +80,6 @@ struct OldPairs {
     /// By pair: id of side b.
     ids: Vec<u64>,
     springs: Vec<Vec3>,
-}
-
-/// The columns of a stretch of chunks.
-struct Stretch<'a> {
-    first_row: usize,
-    pairs: &'a [SpherePair],
-    springs: &'a mut [Vec3],
-    on_b: &'a mut [Side],
-    touching: &'a mut [bool],
-    on_a: &'a mut [Side],
-    sums: &'a mut [Sums],
-}
-
-/// A chunk to be evaluated by code for the instruction set at hand, chosen at run time; the bits do not depend on it.
-struct ChunkTask<'a, 'b> {
-    stretch: Stretch<'a>,
-    first_pair: usize,
-    inputs: &'b ForceInputs<'b>,
-}
-
-impl pulp::WithSimd for ChunkTask<'_, '_> {
-    type Output = ();
-
-    // What is inlined here, and only that, is compiled for each instruction set.
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, _: S) {
-        self.stretch.evaluate_blocks(self.first_pair, self.inputs);
-    }
-}
-
-/// A touching pair of a block.
-#[derive(Clone, Copy, Default)]
-struct Touch {
-    /// Within the block.
-    index: u32,
-    /// Square of the distance of the centres, m2.
-    distance2: f64,
-    /// From a to b, m.
-    d: Vec3,
-    /// m
-    radii: [f64; 2],
-    owners: [u32; 2],
-    materials: [u32; 2],
-    /// The smaller of them.
-    smaller: f64,
-    /// Distances of the point from both centres, m.
-    arms: [f64; 2],
 }
 
 impl SpherePairs {
@@ -316,174 +268,5 @@ fn count_starts(starts: &mut Vec<u32>, n: usize, rows: impl Iterator<Item = usiz
     rows.for_each(|row| starts[row + 1] += 1);
     for row in 0..n {
         starts[row + 1] += starts[row];
-    }
-}
-
-impl Stretch<'_> {
-    /// Splits down to single chunks. `starts` is that of all rows.
-    fn evaluate(self, starts: &[u32], inputs: &ForceInputs<'_>, share: bool) {
-        let chunks = self.sums.len();
-        if chunks == 1 {
-            let first_pair = starts[self.first_row] as usize;
-            return self.evaluate_chunk(first_pair, inputs);
-        }
-        let rows = chunks / 2 * ROWS;
-        let middle_row = self.first_row + rows;
-        let pairs = (starts[middle_row] - starts[self.first_row]) as usize;
-        let (springs, springs_right) = self.springs.split_at_mut(pairs);
-        let (on_b, on_b_right) = self.on_b.split_at_mut(pairs);
-        let (touching, touching_right) = self.touching.split_at_mut(pairs);
-        let (on_a, on_a_right) = self.on_a.split_at_mut(rows);
-        let (sums, sums_right) = self.sums.split_at_mut(chunks / 2);
-        let left =
-            Stretch { first_row: self.first_row, pairs: &self.pairs[..pairs], springs, on_b, touching, on_a, sums };
-        let right = Stretch {
-            first_row: middle_row,
-            pairs: &self.pairs[pairs..],
-            springs: springs_right,
-            on_b: on_b_right,
-            touching: touching_right,
-            on_a: on_a_right,
-            sums: sums_right,
-        };
-        if share {
-            rayon::join(|| left.evaluate(starts, inputs, share), || right.evaluate(starts, inputs, share));
-        } else {
-            left.evaluate(starts, inputs, share);
-            right.evaluate(starts, inputs, share);
-        }
-    }
-
-    fn evaluate_chunk(self, first_pair: usize, inputs: &ForceInputs<'_>) {
-        pulp::Arch::new().dispatch(ChunkTask { stretch: self, first_pair, inputs });
-    }
-
-    #[inline(always)]
-    fn evaluate_blocks(&mut self, first_pair: usize, inputs: &ForceInputs<'_>) {
-        let friction = inputs.tangential == Tangential::CoulombHistory && inputs.pairs.any_friction();
-        let stretch_time_s = friction.then_some(inputs.stretch_time_s);
-        let mut sums = Sums::default();
-        self.on_a.fill(Side::default());
-        let mut touches = [Touch::default(); BLOCK];
-        let mut lanes = Lanes::new();
-        let mut deepest = Deepest::default();
-        for first in (0..self.pairs.len()).step_by(BLOCK) {
-            let count = self.find_touching(first, &inputs.particles.places, &mut touches);
-            let touches = &mut touches[..count];
-            self.load(first, touches, &mut lanes, inputs);
-            lanes.evaluate(count, inputs.contact_end, stretch_time_s);
-            for (k, touch) in touches.iter().enumerate() {
-                deepest.take(lanes.overlap[k], touch.smaller, first_pair + first + touch.index as usize);
-            }
-            self.store(first, touches, &lanes, &mut sums);
-        }
-        if deepest.overlap > 0.0 {
-            sums.largest_overlap = deepest.absolute;
-            (sums.largest_ratio, sums.largest_slot) = (deepest.overlap / deepest.smaller, deepest.index);
-        }
-        self.sums[0] = sums;
-    }
-
-    /// Writes the touching pairs of a block to the front of `touches` and returns their number; clears what has parted.
-    #[inline(always)]
-    fn find_touching(&mut self, first: usize, places: &[Place], touches: &mut [Touch; BLOCK]) -> usize {
-        let last = (first + BLOCK).min(self.pairs.len());
-        let (springs, on_b) = (&mut self.springs[first..last], &mut self.on_b[first..last]);
-        let mut count = 0;
-        for (index, (pair, was)) in self.pairs[first..last].iter().zip(&mut self.touching[first..last]).enumerate() {
-            let (a, b) = (&places[pair.a as usize], &places[pair.b as usize]);
-            // In these very operations wherever two rows are compared: see `Particles::offset`.
-            let d = (b.position - a.position) + (b.offset - a.offset);
-            let distance2 = d.norm_squared();
-            let reach = a.radius + b.radius;
-            let touching = distance2 < reach * reach;
-            touches[count & (BLOCK - 1)] = Touch {
-                index: index as u32,
-                distance2,
-                d,
-                radii: [a.radius, b.radius],
-                owners: [a.owner, b.owner],
-                materials: [a.material, b.material],
-                ..Touch::default()
-            };
-            count += usize::from(touching);
-            if *was && !touching {
-                springs[index] = Vec3::zeros();
-                on_b[index] = Side::default();
-            }
-            *was = touching;
-        }
-        count
-    }
-
-    /// Collects what the laws read. Velocities at the point differ by `v_a - v_b + (l_a w_a + l_b w_b) x n`.
-    #[inline(always)]
-    fn load(&self, first: usize, touches: &mut [Touch], lanes: &mut Lanes, inputs: &ForceInputs<'_>) {
-        let motion = inputs.particles.motion.as_slice();
-        for (k, touch) in touches.iter_mut().enumerate() {
-            let index = first + touch.index as usize;
-            let pair = &self.pairs[index];
-            let (of_a, of_b) = (&motion[touch.owners[0] as usize], &motion[touch.owners[1] as usize]);
-            let [a, b] = touch.radii;
-            let distance = touch.distance2.sqrt();
-            let overlap = (a + b) - distance;
-            touch.arms = [a - 0.5 * overlap, b - 0.5 * overlap];
-            touch.smaller = a.min(b);
-            let [arm_a, arm_b] = touch.arms;
-            lanes.distance[k] = distance;
-            lanes.overlap[k] = overlap;
-            set(&mut lanes.normal, k, &touch.d);
-            set(&mut lanes.velocity, k, &(of_a.velocity - of_b.velocity));
-            set(&mut lanes.mean_velocity, k, &(of_a.mean_velocity - of_b.mean_velocity));
-            set(&mut lanes.turning, k, &(of_a.angular_velocity * arm_a + of_b.angular_velocity * arm_b));
-            let mean_turning = of_a.mean_angular_velocity * arm_a + of_b.mean_angular_velocity * arm_b;
-            set(&mut lanes.mean_turning, k, &mean_turning);
-            set(&mut lanes.spring, k, &self.springs[index]);
-            let law = inputs.pairs.law(touch.materials[0], touch.materials[1]);
-            lanes.stiffness[k] = law.stiffness;
-            lanes.damping[k] = pair.damping;
-            lanes.tangential_stiffness[k] = law.tangential_stiffness;
-            lanes.tangential_damping[k] = pair.damping * law.tangential_damping_ratio;
-            lanes.friction[k] = law.friction;
-        }
-    }
-
-    /// Hands the answers out, in the order of pairs.
-    #[inline(always)]
-    fn store(&mut self, first: usize, touches: &[Touch], lanes: &Lanes, sums: &mut Sums) {
-        for (k, touch) in touches.iter().enumerate() {
-            let index = first + touch.index as usize;
-            let (force, twist) = (get(&lanes.force, k), get(&lanes.twist, k));
-            let on_a = &mut self.on_a[touch.owners[0] as usize - self.first_row];
-            on_a.force += force;
-            on_a.torque += twist * touch.arms[0];
-            self.on_b[index] = Side { force: -force, torque: twist * touch.arms[1] };
-            self.springs[index] = get(&lanes.spring, k);
-            sums.elastic_normal += lanes.elastic[0][k];
-            sums.elastic_tangential += lanes.elastic[1][k];
-            sums.power_normal += lanes.power[0][k];
-            sums.power_tangential += lanes.power[1][k];
-        }
-        sums.points_by_kind[0] += touches.len() as u64;
-    }
-}
-
-/// The largest overlap over the smaller radius, compared without a division.
-#[derive(Default)]
-struct Deepest {
-    absolute: f64,
-    overlap: f64,
-    smaller: f64,
-    index: u32,
-}
-
-impl Deepest {
-    #[inline(always)]
-    fn take(&mut self, overlap: f64, smaller: f64, index: usize) {
-        let absolute = self.absolute.max(overlap);
-        if overlap * self.smaller > self.overlap * smaller || self.smaller == 0.0 {
-            *self = Self { absolute, overlap, smaller, index: index as u32 };
-        }
-        self.absolute = absolute;
     }
 }
