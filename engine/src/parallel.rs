@@ -1,7 +1,7 @@
 //! When a stage is worth more than one thread.
 
-/// Estimated cost below which a stage stays on one thread, ns: waking a sleeping thread takes 10 to 50 us, more beside
-/// a busy process, and the step waits for a thread that was woken and put aside.
+/// Estimated cost below which a stage stays on one thread, ns: about what waking a sleeping thread takes (an estimate,
+/// not measured here), and the step waits for a thread that was woken and put aside by a busy process.
 const WORTH_WAKING: usize = 40_000;
 
 /// Whether `items` of about `ns_each` should be shared among threads. Results never depend on the answer: chunks and

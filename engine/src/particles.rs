@@ -82,8 +82,7 @@ pub struct Particles {
     scratch: SelectScratch,
 }
 
-/// Where a row is, in one cache line: of three pairs that the sphere batch looks at, one does not touch, and needs no
-/// more than this.
+/// Where a row is, in one cache line: a listed pair of spheres that does not touch needs no more than this.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub struct Place {

@@ -3,8 +3,8 @@
 //! Pairs are sorted by (row of the side with the lower id, id of the other), a row's pairs in one chunk. So side a is
 //! read once and summed where it stands, and each side's sum runs in the order of partners' ids: first the pairs in which
 //! the row is a, then those in which it is b. A pair keeps its spring in place until the next rebuild, which finds it
-//! again in the list of the same particle. Of 3.4 listed pairs per particle in a bed two touch: a first pass over a block
-//! picks them without a branch, as a branch there would be mispredicted every third time.
+//! again in the list of the same particle. Many listed pairs of a bed do not touch: a first pass over a block picks those
+//! that do without a branch, which could not be predicted.
 
 use super::evaluate::ForceInputs;
 use super::law::PairTable;
