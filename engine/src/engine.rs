@@ -186,7 +186,9 @@ impl Engine {
 
     pub(crate) fn half_kick_and_drift(&mut self) {
         let dt = self.clock.time_step_s();
-        let report = integrate::drift(&mut self.particles, &self.gravity, dt, &self.scene.plan().rotates);
+        let rotation = self.scene.description().integrator.rotation;
+        let rotates = &self.scene.plan().rotates;
+        let report = integrate::drift(&mut self.particles, &self.gravity, dt, (rotation, rotates));
         self.warnings.rotation_not_converged += report.not_converged;
         self.warnings.fast_particle += u64::from(report.largest_relative_displacement > FAST);
     }

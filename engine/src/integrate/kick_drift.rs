@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::omelyan;
-use crate::math::Vec3;
+use super::{omelyan, splitting};
+use crate::math::{Quat, Vec3};
 use crate::particles::{ContactMotion, Particles};
+use crate::scene::RotationScheme;
 
 /// Rows per task: small enough to balance, large enough to amortise; never a function of the thread count.
 const CHUNK: usize = 512;
@@ -27,8 +28,45 @@ impl DriftReport {
     }
 }
 
+/// A turn over one step.
+struct Turn {
+    orientation: Quat,
+    /// World axes, rad/s.
+    mean_angular_velocity: Vec3,
+    converged: bool,
+}
+
+/// Turns a body with the angular momentum (world axes) of the middle of the step.
+#[inline(always)]
+fn turn(scheme: RotationScheme, orientation: &Quat, momentum_in_body: &Vec3, inertia: &Vec3, dt: f64) -> Turn {
+    match scheme {
+        RotationScheme::Omelyan => {
+            let middle = omelyan::middle_angular_velocity(momentum_in_body, inertia, dt);
+            let after = omelyan::turned(orientation, &middle.angular_velocity_in_body, dt);
+            Turn {
+                orientation: after,
+                // The Cayley map leaves its own axis alone, so the new rotation may carry it to world axes.
+                mean_angular_velocity: after.to_rotation_matrix().into_inner() * middle.angular_velocity_in_body,
+                converged: middle.converged,
+            }
+        }
+        RotationScheme::Splitting => {
+            let after = splitting::turned(orientation, *momentum_in_body, inertia, dt);
+            let mean_angular_velocity = splitting::mean_angular_velocity(orientation, &after, dt);
+            Turn { orientation: after, mean_angular_velocity, converged: true }
+        }
+    }
+}
+
 /// v and J to the middle of the step, x and the orientation to its end; predicts the velocities there.
-pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool]) -> DriftReport {
+///
+/// `rotates` says by shape whether orientations are integrated.
+pub fn drift(
+    particles: &mut Particles,
+    gravity: &Vec3,
+    dt: f64,
+    (scheme, rotates): (RotationScheme, &[bool]),
+) -> DriftReport {
     let n = particles.n_owned();
     let Particles {
         position,
@@ -69,12 +107,11 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
             let inertia = &inertia[row];
             let mut converged = true;
             if rotates[shape[row] as usize] {
-                let middle = omelyan::middle_angular_velocity(&rotation.tr_mul(momentum), inertia, dt);
-                converged = middle.converged;
-                *q = omelyan::turned(q, &middle.angular_velocity_in_body, dt);
+                let turn = turn(scheme, q, &rotation.tr_mul(momentum), inertia, dt);
+                converged = turn.converged;
+                *q = turn.orientation;
                 *rotation = q.to_rotation_matrix().into_inner();
-                // The Cayley map leaves its own axis alone, so the new rotation may carry it to world axes.
-                motion.mean_angular_velocity = *rotation * middle.angular_velocity_in_body;
+                motion.mean_angular_velocity = turn.mean_angular_velocity;
                 motion.angular_velocity = *rotation * rotation.tr_mul(&predicted).component_div(inertia);
             } else {
                 motion.mean_angular_velocity = *momentum / inertia.x;

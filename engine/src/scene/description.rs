@@ -162,6 +162,8 @@ pub enum RotationScheme {
     /// Omelyan's revised leapfrog in the angular momentum.
     #[default]
     Omelyan,
+    /// Symmetric splitting into exact rotations about the principal axes: more accurate at small steps, worse at large.
+    Splitting,
 }
 
 /// `[integrator]`

@@ -46,11 +46,13 @@ impl Plan {
                 "friction: none; no tangential history is kept".into()
             },
         ];
-        let RotationScheme::Omelyan = description.integrator.rotation;
         lines.push(if all_spheres {
             "rotation: angular velocity only; no orientation is integrated".into()
         } else {
-            "rotation: Omelyan's leapfrog".into()
+            match description.integrator.rotation {
+                RotationScheme::Omelyan => "rotation: Omelyan's leapfrog".into(),
+                RotationScheme::Splitting => "rotation: symmetric splitting about the principal axes".to_string(),
+            }
         });
         lines.push(if description.domain.periodic.contains(&true) {
             format!("periodic axes (x, y, z): {:?}", description.domain.periodic)
