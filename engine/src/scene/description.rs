@@ -277,6 +277,16 @@ pub enum AngularVelocity {
         /// Duration of the ramp.
         duration_s: f64,
     },
+    /// amplitude sin(2 pi frequency t + phase), t from the command on.
+    Oscillation {
+        /// Largest value.
+        amplitude_rad_per_s: f64,
+        /// Above 0.
+        frequency_hz: f64,
+        /// Phase at the start.
+        #[serde(default)]
+        phase_rad: f64,
+    },
 }
 
 /// Prescribed motion of a boundary.
@@ -299,6 +309,24 @@ pub enum MotionDescription {
     Translation {
         /// Velocity.
         velocity_m_per_s: [f64; 3],
+    },
+    /// Displacement amplitude (sin(2 pi frequency t + phase) - sin(phase)) from where it is at the command, t from then
+    /// on (vibrated bed).
+    Oscillation {
+        /// Along each axis.
+        amplitude_m: [f64; 3],
+        /// Above 0.
+        frequency_hz: f64,
+        /// Phase at the start.
+        #[serde(default)]
+        phase_rad: f64,
+    },
+    /// Displacement over time, linear between the rows, from where it is at the command; at rest after the last row.
+    Table {
+        /// Since the command: 0 first, then ascending.
+        times_s: Vec<f64>,
+        /// From where it was, (0, 0, 0) first.
+        displacements_m: Vec<[f64; 3]>,
     },
 }
 

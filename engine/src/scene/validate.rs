@@ -534,20 +534,51 @@ pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(),
         MotionDescription::Rotation { point_m, axis, angular_velocity } => {
             problems.finite(&format!("{path}.point_m"), point_m);
             problems.direction(&format!("{path}.axis"), axis);
-            let inner = format!("{path}.angular_velocity");
-            match *angular_velocity {
-                AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]),
-                AngularVelocity::Ramp { rad_per_s, duration_s } => {
-                    problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]);
-                    problems.in_range(
-                        &format!("{inner}.duration_s"),
-                        duration_s,
-                        "finite and above 0",
-                        duration_s > 0.0,
-                    );
-                }
-            }
+            check_angular_velocity(angular_velocity, &format!("{path}.angular_velocity"), &mut problems);
+        }
+        MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad } => {
+            problems.finite(&format!("{path}.amplitude_m"), amplitude_m);
+            check_wave(*frequency_hz, *phase_rad, path, &mut problems);
+        }
+        MotionDescription::Table { times_s, displacements_m } => {
+            check_table(times_s, displacements_m, path, &mut problems);
         }
     }
     problems.0.into_iter().next().map_or(Ok(()), Err)
+}
+
+fn check_angular_velocity(angular_velocity: &AngularVelocity, path: &str, problems: &mut Problems) {
+    match *angular_velocity {
+        AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]),
+        AngularVelocity::Ramp { rad_per_s, duration_s } => {
+            problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]);
+            problems.in_range(&format!("{path}.duration_s"), duration_s, "finite and above 0", duration_s > 0.0);
+        }
+        AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad } => {
+            problems.finite(&format!("{path}.amplitude_rad_per_s"), &[amplitude_rad_per_s]);
+            check_wave(frequency_hz, phase_rad, path, problems);
+        }
+    }
+}
+
+fn check_wave(frequency_hz: f64, phase_rad: f64, path: &str, problems: &mut Problems) {
+    problems.in_range(&format!("{path}.frequency_hz"), frequency_hz, "finite and above 0", frequency_hz > 0.0);
+    problems.finite(&format!("{path}.phase_rad"), &[phase_rad]);
+}
+
+fn check_table(times_s: &[f64], displacements_m: &[[f64; 3]], path: &str, problems: &mut Problems) {
+    problems.finite(&format!("{path}.times_s"), times_s);
+    for (k, displacement) in displacements_m.iter().enumerate() {
+        problems.finite(&format!("{path}.displacements_m[{k}]"), displacement);
+    }
+    if times_s.len() < 2 || times_s.len() != displacements_m.len() {
+        let (times, rows) = (times_s.len(), displacements_m.len());
+        let problem = format!("has {rows} rows for {times} times; needs two or more, as many as times_s");
+        problems.add(format!("{path}.displacements_m"), problem);
+    } else if times_s[0] != 0.0 || displacements_m[0] != [0.0; 3] {
+        problems.add(format!("{path}.times_s[0]"), "must be 0, with a displacement of (0, 0, 0)");
+    }
+    if let Some(k) = times_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        problems.add(format!("{path}.times_s[{}]", k + 1), "must be later than the time before");
+    }
 }
