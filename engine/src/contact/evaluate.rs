@@ -3,12 +3,13 @@
 use rayon::prelude::*;
 
 use super::evaluate_overlap::evaluate_overlaps;
+use super::evaluate_points::evaluate_points;
 use super::law::{PairLaw, PairTable, coulomb_history, normal_force};
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench};
 use crate::boundary::Boundary;
 use crate::math::Vec3;
 use crate::particles::Particles;
-use crate::scene::{ContactEnd, RoundedShapes, Tangential};
+use crate::scene::{ContactEnd, PointLaws, RoundedShapes, Tangential};
 
 /// What the laws read.
 #[derive(Clone, Copy)]
@@ -23,6 +24,8 @@ pub struct ForceInputs<'a> {
     pub contact_end: ContactEnd,
     /// Tangential law.
     pub tangential: Tangential,
+    /// Laws of point contacts, where they are not the plain ones.
+    pub point_laws: Option<&'a PointLaws>,
     /// Cores and law, where polyhedra meet by generalized overlap.
     pub rounded: Option<&'a RoundedShapes>,
     /// Time over which the springs stretch, s (0 when forces are evaluated without a step).
@@ -45,6 +48,17 @@ pub fn evaluate_forces(table: &mut ContactTable, inputs: &ForceInputs<'_>) {
 fn evaluate_chunk(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactChunk, inputs: &ForceInputs<'_>) {
     wrenches.iter_mut().for_each(|wrench| wrench.points = 0);
     chunk.sums = Sums::default();
+    match inputs.point_laws {
+        None => evaluate_plain(slots, wrenches, chunk, inputs),
+        Some(laws) => evaluate_points(slots, wrenches, chunk, inputs, laws),
+    }
+    if let Some(rounded) = inputs.rounded {
+        evaluate_overlaps(slots, wrenches, (&mut chunk.overlaps, &mut chunk.sums), inputs, rounded);
+    }
+}
+
+/// Linear spring and dashpot for the reduced mass, Coulomb friction with history.
+fn evaluate_plain(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactChunk, inputs: &ForceInputs<'_>) {
     for group in chunk.contacts.chunk_by_mut(|a, b| a.slot == b.slot) {
         let index = group[0].slot as usize;
         let slot = &slots[index];
@@ -58,25 +72,33 @@ fn evaluate_chunk(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactCh
         wrenches[index] = wrench;
         chunk.sums.take_overlap(overlap, pair.smaller_radius, index);
     }
-    if let Some(rounded) = inputs.rounded {
-        evaluate_overlaps(slots, wrenches, (&mut chunk.overlaps, &mut chunk.sums), inputs, rounded);
-    }
 }
 
 /// What all points of a slot have in common.
-struct Pair<'a> {
-    a: usize,
+pub(super) struct Pair<'a> {
+    pub(super) a: usize,
     /// Row of the other particle and its centre seen from that of `a`; `None` for a boundary.
-    b: Option<(usize, Vec3)>,
-    boundary: Option<&'a Boundary>,
-    law: &'a PairLaw,
+    pub(super) b: Option<(usize, Vec3)>,
+    pub(super) boundary: Option<&'a Boundary>,
+    pub(super) law: &'a PairLaw,
     damping: f64,
-    smaller_radius: f64,
+    pub(super) smaller_radius: f64,
+}
+
+/// Velocities at one point, world axes.
+pub(super) struct PointMotion {
+    arm_a: Vec3,
+    arm_b: Vec3,
+    velocity_b: Vec3,
+    /// Of `a` against `b`, predicted at the full step.
+    pub(super) relative: Vec3,
+    /// The same, mean over the step.
+    pub(super) mean_relative: Vec3,
 }
 
 impl<'a> Pair<'a> {
     #[inline(always)]
-    fn new(slot: &Slot, inputs: &ForceInputs<'a>) -> Self {
+    pub(super) fn new(slot: &Slot, inputs: &ForceInputs<'a>) -> Self {
         let particles = inputs.particles;
         let (a, b) = (slot.a as usize, slot.b as usize);
         if slot.kind == SlotKind::Wall {
@@ -92,9 +114,9 @@ impl<'a> Pair<'a> {
         Self { a, b: Some((b, particles.separation(a, b))), boundary: None, law, damping, smaller_radius }
     }
 
-    /// Adds the force of one point and stretches its spring.
+    /// How the sides of a point move.
     #[inline(always)]
-    fn evaluate(&self, contact: &mut Contact, inputs: &ForceInputs<'_>, wrench: &mut Wrench, sums: &mut Sums) {
+    pub(super) fn motion(&self, contact: &Contact, inputs: &ForceInputs<'_>) -> PointMotion {
         let particles = inputs.particles;
         let arm_a = contact.arm;
         let (velocity_a, mean_a) = particles.motion[self.a].at(&arm_a);
@@ -107,8 +129,26 @@ impl<'a> Pair<'a> {
             }
             (None, None) => (Vec3::zeros(), Vec3::zeros()),
         };
-        let relative = velocity_a - velocity_b;
-        let approach_speed = relative.dot(&contact.normal);
+        PointMotion { arm_a, arm_b, velocity_b, relative: velocity_a - velocity_b, mean_relative: mean_a - mean_b }
+    }
+
+    /// Adds the force of one point; books the work of walls.
+    #[inline(always)]
+    pub(super) fn push(&self, force: &Vec3, motion: &PointMotion, (wrench, sums): (&mut Wrench, &mut Sums)) {
+        if self.boundary.is_some() {
+            sums.power_boundaries += force.dot(&motion.velocity_b);
+        } else {
+            wrench.torque_b -= motion.arm_b.cross(force);
+        }
+        wrench.force += force;
+        wrench.torque_a += motion.arm_a.cross(force);
+    }
+
+    /// Adds the force of one point and stretches its spring.
+    #[inline(always)]
+    fn evaluate(&self, contact: &mut Contact, inputs: &ForceInputs<'_>, wrench: &mut Wrench, sums: &mut Sums) {
+        let motion = self.motion(contact, inputs);
+        let approach_speed = motion.relative.dot(&contact.normal);
         let stiffness = contact.weight * self.law.stiffness;
         let normal =
             normal_force(stiffness, contact.weight * self.damping, contact.overlap, approach_speed, inputs.contact_end);
@@ -118,13 +158,13 @@ impl<'a> Pair<'a> {
         if inputs.tangential == Tangential::CoulombHistory && self.law.friction > 0.0 {
             let tangent = |v: Vec3| v - contact.normal * v.dot(&contact.normal);
             let tangential_stiffness = contact.weight * self.law.tangential_stiffness;
-            let velocity = tangent(relative);
+            let velocity = tangent(motion.relative);
             let friction = coulomb_history(
                 [tangential_stiffness, contact.weight * self.damping * self.law.tangential_damping_ratio],
                 self.law.friction * normal.force.max(0.0),
                 &contact.spring,
                 &contact.normal,
-                &(tangent(mean_a - mean_b) * inputs.stretch_time_s),
+                &(tangent(motion.mean_relative) * inputs.stretch_time_s),
                 &velocity,
             );
             contact.spring = friction.spring;
@@ -132,17 +172,7 @@ impl<'a> Pair<'a> {
             sums.elastic_tangential += 0.5 * tangential_stiffness * friction.spring.norm_squared();
             sums.power_tangential -= friction.force.dot(&velocity);
         }
-        if self.boundary.is_some() {
-            sums.power_boundaries += force.dot(&velocity_b);
-        } else {
-            wrench.torque_b -= arm_b.cross(&force);
-        }
-        wrench.force += force;
-        wrench.torque_a += arm_a.cross(&force);
-        sums.points_by_kind[match contact.feature.kind() {
-            0 => 0,
-            3 => 2,
-            _ => 1,
-        }] += 1;
+        self.push(&force, &motion, (wrench, sums));
+        sums.count_point(contact.feature);
     }
 }

@@ -1,8 +1,10 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
 mod carry;
+mod effective_mass;
 mod evaluate;
 mod evaluate_overlap;
+mod evaluate_points;
 mod find;
 mod history;
 pub mod law;

@@ -2,6 +2,10 @@
 
 pub mod critical_step;
 mod kick_drift;
+mod local_damping;
 pub mod omelyan;
+mod point_step;
 
 pub use kick_drift::{drift, kick};
+pub use local_damping::{LocalDamping, damp_locally};
+pub use point_step::point_bounds;
