@@ -1,9 +1,12 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod degenerate;
+mod hertz;
 mod impact;
 mod periodic;
 mod refusals;
+mod resistance;
+mod restitution;
 mod rotation;
 mod rounded;
 mod rounded_pose;
@@ -130,6 +133,9 @@ pub fn registry() -> Vec<Case> {
         shapes::cases(),
         rotation::cases(),
         impact::cases(),
+        restitution::cases(),
+        hertz::cases(),
+        resistance::cases(),
         sliding::cases(),
         stability::cases(),
         degenerate::cases(),
