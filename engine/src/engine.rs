@@ -15,7 +15,7 @@ use crate::integrate::{self, LocalDamping};
 use crate::math::Vec3;
 use crate::particles::{ContactMotion, Particles};
 use crate::report::WarningCounts;
-use crate::scene::Scene;
+use crate::scene::{Scene, SharingScope};
 use crate::timing::{Stage, StageTimer};
 
 /// A running simulation.
@@ -243,6 +243,10 @@ impl Engine {
             history: self.scene.plan().history,
         };
         contact::find_contacts(&mut self.contacts, &inputs);
+        let section = &self.scene.description().contact;
+        if section.sharing_scope == SharingScope::Bodies {
+            contact::share_over_bodies(&mut self.contacts, section.sharing);
+        }
     }
 
     pub(crate) fn evaluate_forces(&mut self) {

@@ -66,11 +66,12 @@ fn hertz(slot: &OfSlot<'_>, contact: &Contact) -> PointSpring {
 struct OfSlot<'a> {
     pair: Pair<'a>,
     extras: &'a PairExtras,
-    /// R, 1/R = 1/r_a + 1/r_b, m.
+    /// R, 1/R = 1/r_a + 1/r_b, m; 0 where no law reads it.
     radius: f64,
     /// Sum of the points' weights.
     weights: f64,
     /// Effective mass over the sum of weights, kg: with stiffness W k the dashpot of a point is w 2 zeta sqrt(k m/W).
+    /// Shared over bodies, W of one slot is below 1 and the pair's stiffness is k.
     damping_mass: f64,
 }
 
@@ -88,14 +89,18 @@ impl<'a> OfSlot<'a> {
             SlotKind::SphereSphere => particles.radius[row],
             _ => laws.part_radius[particles.shape[row] as usize][part as usize] * particles.scale[row],
         };
-        let curvature = 1.0 / round(pair.a, slot.part_a) + pair.b.map_or(0.0, |(b, _)| 1.0 / round(b, slot.part_b));
+        let radius = match pair.b {
+            _ if !laws.reads_radius => 0.0,
+            None => round(pair.a, slot.part_a),
+            Some((b, _)) => 1.0 / (1.0 / round(pair.a, slot.part_a) + 1.0 / round(b, slot.part_b)),
+        };
         let central = 1.0 / particles.mass[pair.a] + pair.b.map_or(0.0, |(b, _)| 1.0 / particles.mass[b]);
         let (inverse, weights) = if laws.damping_mass == DampingMass::Contact && slot.kind != SlotKind::SphereSphere {
             inverse_mass(&pair, group, particles)
         } else {
             (central, group.iter().map(|contact| contact.weight).sum())
         };
-        Self { pair, extras, radius: 1.0 / curvature, weights, damping_mass: 1.0 / (inverse * weights) }
+        Self { pair, extras, radius, weights, damping_mass: 1.0 / (inverse * weights.max(1.0)) }
     }
 }
 

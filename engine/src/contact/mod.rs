@@ -1,5 +1,6 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
+mod body_sharing;
 mod carry;
 mod effective_mass;
 mod evaluate;
@@ -11,6 +12,7 @@ pub mod law;
 mod overlap;
 mod table;
 
+pub use body_sharing::{BodyPoints, share_over_bodies};
 pub use evaluate::{ForceInputs, evaluate_forces};
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;

@@ -1,5 +1,6 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
+use super::body_sharing::BodyPoints;
 use super::carry::CarriedCaches;
 use super::law::RollingSpring;
 use super::overlap::OverlapChunk;
@@ -191,6 +192,8 @@ pub struct ContactTable {
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
     pub chunks: Vec<ContactChunk>,
+    /// Scratch of sharing over bodies.
+    pub body_points: Vec<BodyPoints>,
     /// Scratch of a rebuild.
     pub carried: CarriedCaches,
 }

@@ -12,7 +12,7 @@ pub struct Body {
     pub mass: f64,
     /// What rotation adds at the worst place.
     pub leverage: Leverage,
-    /// Largest number of points that a part has with a wall.
+    /// Largest number of points that its parts have with a wall.
     pub points: u32,
     /// Radius of its roundest part, or of the bounding sphere of a polyhedron, m.
     pub radius: f64,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CohesionDescription, DampingMass, GeneralizedOverlapSection, HertzSection, NormalLaw};
+use super::{CohesionDescription, DampingMass, GeneralizedOverlapSection, HertzSection, NormalLaw, SharingScope};
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;
 
@@ -135,6 +135,8 @@ pub struct ContactSection {
     pub normal: NormalLaw,
     /// Sharing over several points.
     pub sharing: Sharing,
+    /// Whose points share.
+    pub sharing_scope: SharingScope,
     /// End of contact.
     pub contact_end: ContactEnd,
     /// Mass that the damping is calibrated for.
@@ -162,6 +164,7 @@ impl Default for ContactSection {
             hertz: HertzSection::default(),
             damping_mass: DampingMass::default(),
             sharing: Sharing::default(),
+            sharing_scope: SharingScope::default(),
             contact_end: ContactEnd::default(),
             tangential: Tangential::default(),
             skin_fraction: None,

@@ -12,5 +12,7 @@ pub use check::SceneCheck;
 pub use description::*;
 pub use normal_law::{GeneralizedOverlapSection, NormalLaw, RoundedShapes};
 pub use plan::Plan;
-pub use point_laws::{CohesionDescription, DampingMass, HertzSection, PairExtras, PointLaws, PointNormal};
+pub use point_laws::{
+    CohesionDescription, DampingMass, HertzSection, PairExtras, PointLaws, PointNormal, SharingScope,
+};
 pub use validate::Scene;

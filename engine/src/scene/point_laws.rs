@@ -19,6 +19,17 @@ pub enum DampingMass {
     Contact,
 }
 
+/// Whose points share the stiffness of a pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SharingScope {
+    /// Those of two convex parts.
+    #[default]
+    Parts,
+    /// All of two bodies, as the sources of `model_b` and `max_overlap_shared` have it; for these two only.
+    Bodies,
+}
+
 /// Attraction between two materials that touch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
@@ -90,6 +101,8 @@ pub struct PointLaws {
     pub springs_add: bool,
     /// Overlap over the effective radius that bounds hold for, with Hertz.
     pub reference_fraction: f64,
+    /// Some law reads the radius of the parts.
+    pub reads_radius: bool,
     /// Some pair resists rolling or twisting.
     pub rolling: bool,
     /// By shape and part, at unit scale: radius of a round part, bounding radius of a polyhedron, m.
@@ -103,7 +116,7 @@ impl PointLaws {
     pub(super) fn build(description: &SceneDescription, shapes: &[Shape]) -> Option<Self> {
         let contact = &description.contact;
         let named = contact.normal == NormalLaw::Hertz
-            || contact.damping_mass != DampingMass::Central
+            || contact.damping_mass != DampingMass::Central && shapes.iter().any(|shape| !is_ball(shape))
             || contact.sharing == Sharing::ModelA
             || contact.tangential == Tangential::Viscous
             || description.material_pairs.iter().any(has_extras);
@@ -123,6 +136,7 @@ impl PointLaws {
             damping_mass: contact.damping_mass,
             springs_add: contact.sharing == Sharing::ModelA,
             reference_fraction: contact.hertz.reference_overlap_fraction,
+            reads_radius: contact.normal == NormalLaw::Hertz || description.material_pairs.iter().any(has_extras),
             rolling: pairs.iter().any(|pair| pair.rolling.is_active()),
             part_radius: shapes.iter().map(|shape| shape.parts().iter().map(Part::contact_radius).collect()).collect(),
             materials,
@@ -144,6 +158,11 @@ impl PointLaws {
             PointNormal::Hertz => extras.hertz.stiffness_at(self.reference_fraction, radius),
         }
     }
+}
+
+/// A force on a ball passes through its centre: its contacts are central.
+fn is_ball(shape: &Shape) -> bool {
+    matches!(shape.parts(), [Part { geometry: PartGeometry::Sphere { .. }, .. }])
 }
 
 fn has_extras(pair: &MaterialPairDescription) -> bool {
@@ -206,6 +225,11 @@ fn check_contact(description: &SceneDescription, errors: &mut Vec<InvalidInput>)
     let damping = description.integrator.local_damping;
     if !(0.0..1.0).contains(&damping) {
         errors.push(out_of_range("integrator.local_damping".into(), damping, "in [0, 1)"));
+    }
+    let shares = matches!(contact.sharing, Sharing::ModelB | Sharing::MaxOverlapShared);
+    if contact.sharing_scope == SharingScope::Bodies && !(shares && contact.normal == NormalLaw::Linear) {
+        let problem = "\"bodies\" is for normal = \"linear\" with sharing = \"model_b\" or \"max_overlap_shared\"";
+        errors.push(InvalidInput::new("contact.sharing_scope", problem));
     }
     let fits = match contact.normal {
         NormalLaw::Linear => contact.tangential != Tangential::Mindlin,
@@ -288,6 +312,9 @@ pub(super) fn plan_lines(description: &SceneDescription) -> Vec<String> {
     let contact = &description.contact;
     if contact.damping_mass == DampingMass::Contact {
         lines.push("damping: calibrated for each contact's effective mass, rotation included".into());
+    }
+    if contact.sharing_scope == SharingScope::Bodies {
+        lines.push("sharing of points: over all points of two bodies".into());
     }
     if contact.normal == NormalLaw::Hertz {
         let percent = 100.0 * contact.hertz.reference_overlap_fraction;

@@ -241,7 +241,7 @@ impl Scene {
         Body {
             mass,
             leverage: shape.leverage(),
-            points: shape.parts().iter().map(Part::most_points).max().unwrap_or(1),
+            points: shape.parts().iter().map(Part::most_points).sum(),
             radius: scale * shape.parts().iter().map(Part::contact_radius).fold(0.0, f64::max),
             smallest_inertia: properties.principal_inertia.min() / properties.volume * mass * scale * scale,
             is_rounded,

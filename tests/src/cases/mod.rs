@@ -1,6 +1,7 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod degenerate;
+mod glued;
 mod hertz;
 mod impact;
 mod periodic;
@@ -135,6 +136,7 @@ pub fn registry() -> Vec<Case> {
         impact::cases(),
         restitution::cases(),
         hertz::cases(),
+        glued::cases(),
         resistance::cases(),
         sliding::cases(),
         stability::cases(),
