@@ -62,6 +62,49 @@ fn hertz(slot: &OfSlot<'_>, contact: &Contact) -> PointSpring {
     }
 }
 
+/// Velocities at one point, world axes.
+struct PointMotion {
+    arm_a: Vec3,
+    arm_b: Vec3,
+    velocity_b: Vec3,
+    /// Of `a` against `b`, predicted at the full step.
+    relative: Vec3,
+    /// The same, mean over the step.
+    mean_relative: Vec3,
+}
+
+impl Pair<'_> {
+    /// How the sides of a point move.
+    #[inline(always)]
+    fn motion(&self, contact: &Contact, inputs: &ForceInputs<'_>) -> PointMotion {
+        let particles = inputs.particles;
+        let arm_a = contact.arm;
+        let (velocity_a, mean_a) = particles.motion[self.a].at(&arm_a);
+        let arm_b = self.b.map_or_else(Vec3::zeros, |(_, centre)| arm_a - centre);
+        let (velocity_b, mean_b) = match (self.b, self.boundary) {
+            (Some((b, _)), _) => particles.motion[b].at(&arm_b),
+            (None, Some(boundary)) => {
+                let surface = boundary.surface_velocity(&(particles.position[self.a] + arm_a));
+                (surface, surface)
+            }
+            (None, None) => (Vec3::zeros(), Vec3::zeros()),
+        };
+        PointMotion { arm_a, arm_b, velocity_b, relative: velocity_a - velocity_b, mean_relative: mean_a - mean_b }
+    }
+
+    /// Adds the force of one point; books the work of walls.
+    #[inline(always)]
+    fn push(&self, force: &Vec3, motion: &PointMotion, (wrench, sums): (&mut Wrench, &mut Sums)) {
+        if self.boundary.is_some() {
+            sums.power_boundaries += force.dot(&motion.velocity_b);
+        } else {
+            wrench.torque_b -= motion.arm_b.cross(force);
+        }
+        wrench.force += force;
+        wrench.torque_a += motion.arm_a.cross(force);
+    }
+}
+
 /// What all points of a slot have in common.
 struct OfSlot<'a> {
     pair: Pair<'a>,
