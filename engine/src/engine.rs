@@ -11,11 +11,11 @@ use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, 
 use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
 use crate::gather::gather;
-use crate::integrate;
+use crate::integrate::{self, LocalDamping};
 use crate::math::Vec3;
 use crate::particles::{ContactMotion, Particles};
 use crate::report::WarningCounts;
-use crate::scene::Scene;
+use crate::scene::{Scene, SharingScope};
 use crate::timing::{Stage, StageTimer};
 
 /// A running simulation.
@@ -31,6 +31,8 @@ pub struct Engine {
     /// Springs that outlive a change of the particles, until the next rebuild takes them.
     pub(crate) kept_springs: Vec<SpringRecord>,
     pub(crate) ledger: Ledger,
+    /// Of the last evaluation, where the scene damps locally.
+    pub(crate) local_damping: LocalDamping,
     pub(crate) warnings: WarningCounts,
     pub(crate) largest_ratio_so_far: f64,
     pub(crate) next_id: u64,
@@ -69,6 +71,7 @@ impl Engine {
             sums: Sums::default(),
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
+            local_damping: LocalDamping::default(),
             warnings: WarningCounts::default(),
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
@@ -168,6 +171,7 @@ impl Engine {
         self.find_contacts();
         self.evaluate_with(0.0);
         self.gather_forces();
+        self.damp_locally(0.0);
         self.sums = self.contacts.sums();
         self.ledger.restart(&self.sums);
     }
@@ -221,7 +225,7 @@ impl Engine {
             return;
         }
         let mut springs = std::mem::take(&mut self.kept_springs);
-        if springs.is_empty() && scene.plan().history {
+        if springs.is_empty() && (scene.plan().history || scene.plan().rolling) {
             springs = self.contacts.springs(&self.particles);
         }
         self.contacts.take_caches(&self.particles);
@@ -241,6 +245,10 @@ impl Engine {
             history: self.scene.plan().history,
         };
         contact::find_contacts(&mut self.contacts, &inputs);
+        let section = &self.scene.description().contact;
+        if section.sharing_scope == SharingScope::Bodies {
+            contact::share_over_bodies(&mut self.contacts, section.sharing);
+        }
     }
 
     pub(crate) fn evaluate_forces(&mut self) {
@@ -257,6 +265,7 @@ impl Engine {
             pairs: self.scene.pairs(),
             contact_end: section.contact_end,
             tangential: section.tangential,
+            point_laws: self.scene.point_laws(),
             rounded: self.scene.rounded(),
             stretch_time_s,
         };
@@ -265,6 +274,16 @@ impl Engine {
 
     pub(crate) fn gather_forces(&mut self) {
         gather(&mut self.particles, &self.contacts, &self.neighbours);
+    }
+
+    /// Adds local damping to the gathered forces, where the scene has it, and books what it took over a time.
+    pub(crate) fn damp_locally(&mut self, time_s: f64) {
+        let alpha = self.scene.description().integrator.local_damping;
+        if alpha > 0.0 {
+            let before = self.local_damping.power;
+            self.local_damping = integrate::damp_locally(&mut self.particles, &self.gravity, alpha);
+            self.ledger.dissipated_local += 0.5 * time_s * (before + self.local_damping.power);
+        }
     }
 
     pub(crate) fn half_kick(&mut self) {

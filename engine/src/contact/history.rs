@@ -1,5 +1,6 @@
 //! Tangential springs outside of rows and slots, keyed by ids: what survives a rebuild, and what is hashed.
 
+use super::law::RollingSpring;
 use super::table::{CHUNK, Contact, ContactTable};
 use crate::math::Vec3;
 use crate::narrow::FeatureKey;
@@ -20,6 +21,10 @@ pub struct SpringRecord {
 /// Features under which the two springs of a contact by generalized overlap are kept: a vector, and an arc in x.
 const SLIDE: FeatureKey = FeatureKey::point(0);
 const TWIST: FeatureKey = FeatureKey::point(1);
+
+/// Those of the rolling and the twisting spring of a slot, in rad; no point contact has as many points.
+const ROLL: FeatureKey = FeatureKey::point((1 << 30) - 2);
+const SPIN: FeatureKey = FeatureKey::point((1 << 30) - 1);
 
 /// Key of a slot, without the feature.
 fn slot_key(table: &ContactTable, slot: usize, particles: &Particles) -> (u64, u64, u16, u16) {
@@ -43,6 +48,7 @@ impl ContactTable {
             })
             .collect();
         self.push_overlap_springs(particles, &mut records);
+        self.push_rolling_springs(particles, &mut records);
         records.sort_unstable_by_key(|record| record.key);
         records
     }
@@ -62,6 +68,19 @@ impl ContactTable {
         }
     }
 
+    fn push_rolling_springs(&self, particles: &Particles, records: &mut Vec<SpringRecord>) {
+        for (k, chunk) in self.chunks.iter().enumerate() {
+            for (slot, spring) in chunk.rolling.iter().enumerate().filter(|(_, s)| **s != RollingSpring::default()) {
+                let (a, b, part_a, part_b) = slot_key(self, k * CHUNK + slot, particles);
+                for (feature, spring) in [(ROLL, spring.roll), (SPIN, Vec3::x() * spring.twist)] {
+                    if spring != Vec3::zeros() {
+                        records.push(SpringRecord { key: (a, b, part_a, part_b, feature), spring });
+                    }
+                }
+            }
+        }
+    }
+
     /// Gives new slots the springs of the old ones (sorted by key).
     pub fn restore_springs(&mut self, records: &[SpringRecord], particles: &Particles) {
         if records.is_empty() {
@@ -74,6 +93,7 @@ impl ContactTable {
             let own = records[start..]
                 .iter()
                 .take_while(|record| (record.key.0, record.key.1, record.key.2, record.key.3) == key);
+            let is_turn = |record: &SpringRecord| [ROLL, SPIN].contains(&record.key.4);
             let slot = (index % CHUNK) as u32;
             let rounded = self.slots[index].kind.is_rounded();
             let chunk = &mut self.chunks[index / CHUNK];
@@ -89,7 +109,13 @@ impl ContactTable {
                 }
                 continue;
             }
-            chunk.contacts.extend(own.map(|record| Contact {
+            for record in own.clone().filter(|record| is_turn(record)) {
+                let known = chunk.rolling.len().max(slot as usize + 1);
+                chunk.rolling.resize(known, RollingSpring::default());
+                let of_slot = &mut chunk.rolling[slot as usize];
+                if record.key.4 == ROLL { of_slot.roll = record.spring } else { of_slot.twist = record.spring.x }
+            }
+            chunk.contacts.extend(own.filter(|record| !is_turn(record)).map(|record| Contact {
                 slot,
                 feature: record.key.4,
                 weight: 0.0,

@@ -1,14 +1,18 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
+mod body_sharing;
 mod carry;
+mod effective_mass;
 mod evaluate;
 mod evaluate_overlap;
+mod evaluate_points;
 mod find;
 mod history;
 pub mod law;
 mod overlap;
 mod table;
 
+pub use body_sharing::{BodyPoints, share_over_bodies};
 pub use evaluate::{ForceInputs, evaluate_forces};
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;

@@ -1,6 +1,8 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
+use super::body_sharing::BodyPoints;
 use super::carry::CarriedCaches;
+use super::law::RollingSpring;
 use super::overlap::OverlapChunk;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
@@ -122,6 +124,16 @@ impl Sums {
         }
     }
 
+    /// A touching point.
+    #[inline(always)]
+    pub fn count_point(&mut self, feature: FeatureKey) {
+        self.points_by_kind[match feature.kind() {
+            0 => 0,
+            3 => 2,
+            _ => 1,
+        }] += 1;
+    }
+
     /// The generalized overlap of a slot of the chunk over its mean rounding radius.
     #[inline(always)]
     pub fn take_rounding(&mut self, ratio: f64, slot: usize) {
@@ -161,6 +173,8 @@ pub struct ContactChunk {
     pub previous: Vec<Contact>,
     /// By generalized overlap.
     pub overlaps: OverlapChunk,
+    /// Rolling and twisting springs by slot, where the scene has such a law; else empty.
+    pub rolling: Vec<RollingSpring>,
     /// Sums of this step.
     pub sums: Sums,
     /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
@@ -178,6 +192,8 @@ pub struct ContactTable {
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
     pub chunks: Vec<ContactChunk>,
+    /// Scratch of sharing over bodies.
+    pub body_points: Vec<BodyPoints>,
     /// Scratch of a rebuild.
     pub carried: CarriedCaches,
 }
@@ -195,6 +211,7 @@ impl ContactTable {
             let up_to = |kind: SlotKind| slots.iter().rposition(|slot| slot.kind == kind).map_or(0, |last| last + 1);
             chunk.contacts.clear();
             chunk.previous.clear();
+            chunk.rolling.clear();
             chunk.sums = Sums::default();
             chunk.caches.clear();
             chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());

@@ -19,7 +19,7 @@ pub struct SceneCheck {
     /// Shortest collision, s; infinite where nothing can meet.
     pub contact_duration_s: f64,
     /// Overlap of the heaviest particle resting on one point, over its bounding radius; `None` without gravity or
-    /// particles.
+    /// particles, and with Hertz.
     pub resting_overlap_ratio: Option<f64>,
     /// Doubts, one sentence each.
     pub warnings: Vec<String>,
@@ -50,7 +50,7 @@ impl Scene {
             ));
         }
         let contacts = match self.description().contact.normal {
-            NormalLaw::Linear => CONTACTS_PER_BODY,
+            NormalLaw::Linear | NormalLaw::Hertz => CONTACTS_PER_BODY,
             // Its bound counts all contacts of a pair in: packings were stable up to 0.95 of it.
             NormalLaw::GeneralizedOverlap => 1.1,
         };
@@ -90,6 +90,9 @@ impl Scene {
     /// Largest overlap of a particle resting on one point, over its bounding radius; over all shapes and materials
     /// at unit scale while there are no particles.
     fn resting_overlap_ratio(&self) -> Option<f64> {
+        if self.description().contact.normal == NormalLaw::Hertz {
+            return None;
+        }
         let gravity = Vec3::from(self.description().scene.gravity_m_per_s2).norm();
         let softest = |material: usize| {
             let walls = self.boundaries().iter().map(|boundary| boundary.material as usize);

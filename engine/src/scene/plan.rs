@@ -1,6 +1,6 @@
 //! What a scene needs, and what is left out of every step because it does not.
 
-use super::{NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential};
+use super::{MaterialPairDescription, NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential, point_laws};
 use crate::broad::ShapeReach;
 use crate::contact::law::PairTable;
 
@@ -11,6 +11,8 @@ pub struct Plan {
     pub lines: Vec<String>,
     /// Tangential springs are kept.
     pub history: bool,
+    /// Rolling and twisting springs are kept.
+    pub rolling: bool,
     /// By shape: orientation is integrated.
     pub rotates: Vec<bool>,
     /// By shape: what the broad phase needs.
@@ -24,7 +26,10 @@ const DEFAULT_SKIN_FRACTION: f64 = 0.08;
 
 impl Plan {
     pub(super) fn new(description: &SceneDescription, reaches: Vec<ShapeReach>, pairs: &PairTable) -> Self {
-        let history = description.contact.tangential == Tangential::CoulombHistory && pairs.any_friction();
+        let history = matches!(description.contact.tangential, Tangential::CoulombHistory | Tangential::Mindlin)
+            && pairs.any_friction();
+        let turns = |pair: &MaterialPairDescription| pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0;
+        let rolling = description.material_pairs.iter().any(turns);
         let rotates: Vec<bool> = reaches.iter().map(|reach| !reach.is_sphere).collect();
         let skin_fraction = description.contact.skin_fraction.unwrap_or(DEFAULT_SKIN_FRACTION);
         let all_spheres = reaches.iter().all(|reach| reach.is_sphere);
@@ -38,14 +43,20 @@ impl Plan {
             match description.contact.sharing {
                 Sharing::PerPoint => "sharing of points: per_point".into(),
                 Sharing::ModelB => "sharing of points: model_b".to_string(),
+                Sharing::ModelA => "sharing of points: model_a".to_string(),
+                Sharing::MaxOverlapShared => "sharing of points: max_overlap_shared".to_string(),
             },
             normal_law(description),
-            if history {
-                "friction: Coulomb with history per contact feature".into()
-            } else {
-                "friction: none; no tangential history is kept".into()
+            match description.contact.tangential {
+                Tangential::Mindlin if history => "friction: Mindlin without slip, with history per contact".into(),
+                Tangential::Viscous if pairs.any_friction() => {
+                    "friction: viscous; no tangential history is kept".into()
+                }
+                _ if history => "friction: Coulomb with history per contact feature".into(),
+                _ => "friction: none; no tangential history is kept".into(),
             },
         ];
+        lines.extend(point_laws::plan_lines(description));
         lines.push(if all_spheres {
             "rotation: angular velocity only; no orientation is integrated".into()
         } else {
@@ -64,7 +75,7 @@ impl Plan {
             n => format!("boundaries: {n}"),
         });
         lines.push("fields: computed only while somebody subscribes or asks".into());
-        Self { lines, history, rotates, reaches, skin_fraction }
+        Self { lines, history, rolling, rotates, reaches, skin_fraction }
     }
 }
 
@@ -75,6 +86,7 @@ fn normal_law(description: &SceneDescription) -> String {
     let end = format!("contact end {:?}", contact.contact_end).to_lowercase();
     match contact.normal {
         NormalLaw::Linear => format!("normal law: linear spring and dashpot, {end}"),
+        NormalLaw::Hertz => format!("normal law: Hertz, {end}"),
         NormalLaw::GeneralizedOverlap => format!(
             "normal law: polyhedra by generalized overlap (p {}, rounded by {:.2e} of the inner diameter, exponent {}); linear spring and dashpot where a part is round; {end}",
             section.p, section.rounding_fraction, section.exponent

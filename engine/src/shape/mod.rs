@@ -145,6 +145,25 @@ impl Part {
         })
     }
 
+    /// Radius of a round part, of the bounding sphere of a polyhedron.
+    pub(crate) fn contact_radius(&self) -> f64 {
+        match &self.geometry {
+            PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } => *radius,
+            PartGeometry::Polyhedron(_) => self.radius,
+        }
+    }
+
+    /// Most points of a contact with a plane.
+    pub(crate) fn most_points(&self) -> u32 {
+        match &self.geometry {
+            PartGeometry::Sphere { .. } => 1,
+            PartGeometry::Spherocylinder { .. } => 2,
+            PartGeometry::Polyhedron(p) => {
+                (0..p.faces().len()).map(|face| p.face_vertices(face).len()).max().unwrap_or(1) as u32
+            }
+        }
+    }
+
     /// Largest distance of a point of the part from the origin.
     fn reach(&self) -> f64 {
         match &self.geometry {

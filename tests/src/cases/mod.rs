@@ -1,9 +1,13 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod degenerate;
+mod glued;
+mod hertz;
 mod impact;
 mod periodic;
 mod refusals;
+mod resistance;
+mod restitution;
 mod rotation;
 mod rounded;
 mod rounded_pose;
@@ -130,6 +134,10 @@ pub fn registry() -> Vec<Case> {
         shapes::cases(),
         rotation::cases(),
         impact::cases(),
+        restitution::cases(),
+        hertz::cases(),
+        glued::cases(),
+        resistance::cases(),
         sliding::cases(),
         stability::cases(),
         degenerate::cases(),
