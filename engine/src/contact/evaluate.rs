@@ -58,6 +58,8 @@ fn evaluate_chunk(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactCh
         wrenches[index] = wrench;
         chunk.sums.take_overlap(overlap, pair.smaller_radius, index);
     }
+    let (deepest, slot) = chunk.features.deepest;
+    chunk.sums.take_rounding(deepest, slot as usize);
     if let Some(rounded) = inputs.rounded {
         evaluate_overlaps(slots, wrenches, (&mut chunk.overlaps, &mut chunk.sums), inputs, rounded);
     }

@@ -3,6 +3,7 @@
 mod carry;
 mod evaluate;
 mod evaluate_overlap;
+mod features;
 mod find;
 mod history;
 pub mod law;
@@ -10,6 +11,7 @@ mod overlap;
 mod table;
 
 pub use evaluate::{ForceInputs, evaluate_forces};
+pub use features::FeatureChunk;
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;
 pub use overlap::{OverlapChunk, OverlapContact};

@@ -1,6 +1,7 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
 use super::carry::CarriedCaches;
+use super::features::FeatureChunk;
 use super::overlap::OverlapChunk;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
@@ -17,6 +18,8 @@ pub enum SlotKind {
     Parts,
     /// Two rounded polyhedra, by generalized overlap.
     RoundedParts,
+    /// Two parts, at least one of them a rounded polyhedron, by their pairs of features.
+    Features,
     /// A convex part and a boundary.
     Wall,
     /// A rounded polyhedron and a boundary, by generalized overlap.
@@ -107,7 +110,7 @@ pub struct Sums {
     pub largest_rounding: f64,
     /// Slot (in the table) of that.
     pub rounding_slot: u32,
-    /// Touching points by kind: smooth, vertex-face, edge-edge.
+    /// Touching points by kind: smooth (and vertex-edge, vertex-vertex), vertex-face, edge-edge.
     pub points_by_kind: [u64; 3],
 }
 
@@ -161,6 +164,8 @@ pub struct ContactChunk {
     pub previous: Vec<Contact>,
     /// By generalized overlap.
     pub overlaps: OverlapChunk,
+    /// By pairs of features.
+    pub features: FeatureChunk,
     /// Sums of this step.
     pub sums: Sums,
     /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
@@ -199,6 +204,7 @@ impl ContactTable {
             chunk.caches.clear();
             chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());
             chunk.overlaps.reset(up_to(SlotKind::RoundedParts));
+            chunk.features.reset(up_to(SlotKind::Features));
         }
     }
 
@@ -207,6 +213,7 @@ impl ContactTable {
         for chunk in &mut self.chunks {
             chunk.caches.fill(PairCache::default());
             chunk.overlaps.forget();
+            chunk.features.forget();
         }
     }
 
