@@ -107,7 +107,7 @@ fn a_box_rests_on_four_springs() {
 }
 
 /// Two rounded cubes of 1 m without friction and damping; k/m = 1e6 1/s2 per contact.
-fn impact(orientations: [[f64; 4]; 2], offset: [f64; 2], dt: f64, speed: f64) -> Engine {
+fn impact(orientations: [[f64; 4]; 2], at: [f64; 3], dt: f64, speed: f64) -> Engine {
     let (density, mass) = (1000.0, 1000.0);
     let pair = format!("stiffness_n_per_m = {:?}\nrestitution = 1.0\nfriction = 0.0", 1e6 * mass);
     let text = format!(
@@ -124,18 +124,18 @@ fn impact(orientations: [[f64; 4]; 2], offset: [f64; 2], dt: f64, speed: f64) ->
         )
     };
     let [p, q] = orientations;
-    let text = text + &body([0.0; 3], p, 0.5 * speed) + &body([1.7, offset[0], offset[1]], q, -0.5 * speed);
+    let text = text + &body([0.0; 3], p, 0.5 * speed) + &body(at, q, -0.5 * speed);
     let description = SceneDescription::from_toml(&text).unwrap_or_else(|error| panic!("{error}"));
     Engine::new(Scene::validate(description).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// |dE| / E of one impact, once separated; `None` if they miss.
-fn energy_error(orientations: [[f64; 4]; 2], offset: [f64; 2], steps_per_contact: f64) -> Option<f64> {
+fn energy_error(orientations: [[f64; 4]; 2], at: [f64; 3], steps_per_contact: f64) -> Option<f64> {
     // an aligned face hit: 8 springs, 500 kg reduced
     let omega = (8.0 * 1e9 / 500.0f64).sqrt();
     let contact_s = std::f64::consts::PI / omega;
     let speed = 1e-3 * omega;
-    let mut engine = impact(orientations, offset, contact_s / steps_per_contact, speed);
+    let mut engine = impact(orientations, at, contact_s / steps_per_contact, speed);
     let kinetic = |engine: &Engine| {
         let energy = engine.report().energy;
         energy.kinetic_translation_j + energy.kinetic_rotation_j
@@ -158,33 +158,62 @@ fn energy_error(orientations: [[f64; 4]; 2], offset: [f64; 2], steps_per_contact
     touched.then(|| (kinetic(&engine) / before - 1.0).abs())
 }
 
-/// ENERGY, short form: random poses and aligned faces.
+/// A generator of its own: the same poses on every machine.
+struct Poses(u64);
+
+impl Poses {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn random(&mut self) -> [f64; 4] {
+        let q: [f64; 4] = std::array::from_fn(|_| self.uniform() - 0.5);
+        let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        q.map(|x| x / norm)
+    }
+
+    /// A face towards x, turned about it by any angle, and tilted.
+    fn facing(&mut self, tilt: f64) -> [f64; 4] {
+        let (yaw, towards) = (self.uniform() * 1.6, self.uniform() * 6.3);
+        let (c, s) = ((0.5 * yaw).cos(), (0.5 * yaw).sin());
+        let (y, z) = (0.5 * tilt * towards.cos(), 0.5 * tilt * towards.sin());
+        let q = [c, s, y * c + z * s, z * c - y * s];
+        let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        q.map(|x| x / norm)
+    }
+
+    /// Median and largest |dE| / E over impacts, and how many there were.
+    fn errors(&mut self, poses: usize, tilt: Option<f64>) -> (f64, f64, usize) {
+        let mut errors = Vec::new();
+        for _ in 0..poses {
+            let orientations = match tilt {
+                Some(tilt) => [self.facing(0.0), self.facing(tilt)],
+                None => [self.random(), self.random()],
+            };
+            // tilted cubes are clear of each other from 1 + 0.87 tilt on, others from the sum of their bounding radii
+            let x = tilt.map_or(1.7, |tilt| 1.005 + tilt);
+            let at = [x, 0.6 * (self.uniform() - 0.5), 0.6 * (self.uniform() - 0.5)];
+            errors.extend(energy_error(orientations, at, 200.0));
+        }
+        errors.sort_by(f64::total_cmp);
+        (errors[errors.len() / 2], errors[errors.len() - 1], errors.len())
+    }
+}
+
+/// ENERGY, short form: random poses, aligned and tilted faces at Tc/200.
 #[test]
 fn frictionless_impacts_keep_their_energy() {
-    let mut seed = 17u64;
-    let mut uniform = move || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let mut errors = Vec::new();
-    for _ in 0..40 {
-        let mut quaternion = || {
-            let q: [f64; 4] = std::array::from_fn(|_| uniform() - 0.5);
-            let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-            q.map(|x| x / norm)
-        };
-        let orientations = [quaternion(), quaternion()];
-        let offset = [0.6 * (uniform() - 0.5), 0.6 * (uniform() - 0.5)];
-        errors.extend(energy_error(orientations, offset, 200.0));
-    }
-    errors.sort_by(f64::total_cmp);
-    let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
-    println!("{} impacts: median {median:e}, largest {largest:e}", errors.len());
     let level = [1.0, 0.0, 0.0, 0.0];
-    let aligned = energy_error([level; 2], [0.1, 0.05], 200.0).expect("they meet");
-    println!("aligned faces: {aligned:e}");
-    assert!(errors.len() >= 30 && median < 1e-3 && largest < 2e-2, "{errors:?}");
-    assert!(aligned < 1e-3, "{aligned}");
+    let aligned = energy_error([level; 2], [1.01, 0.1, 0.05], 200.0).expect("they meet");
+    assert!(aligned < 1e-4, "{aligned}");
+    let mut poses = Poses(17);
+    for (tilt, poses_of_it) in [(None, 8), (Some(0.0), 20), (Some(1e-3), 20), (Some(1e-2), 20)] {
+        let (median, largest, count) = poses.errors(poses_of_it, tilt);
+        println!("tilt {tilt:?}: {count} impacts, median {median:e}, largest {largest:e}");
+        // measured: medians up to 9e-6, largest 2.2e-5; Rockable 5.7e-5 and 0.11 at twice the step
+        assert!(2 * count > poses_of_it && median < 3e-5 && largest < 1e-4, "{tilt:?}: {median:e} {largest:e}");
+    }
 }
 
 #[test]
