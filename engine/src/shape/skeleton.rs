@@ -76,6 +76,8 @@ pub struct Skeleton {
     pub radius: f64,
     /// Largest distance of a vertex from the origin.
     pub reach: f64,
+    /// Mean of the vertices.
+    pub middle: Vec3,
     /// How far behind its faces a vertex still belongs to them; 0 where faces have no outside.
     pub depth: f64,
     /// Width of the boundaries between regions.
@@ -116,6 +118,7 @@ impl Skeleton {
     fn assemble(vertices: Vec<Vec3>, edges: &[[u32; 2]], loops: Loops, radius: f64, convex: bool) -> Self {
         let mut new = Self {
             radius,
+            middle: mean(&vertices),
             reach: vertices.iter().map(|v| v.norm()).fold(0.0, f64::max),
             depth: 0.0,
             tolerance: BOUNDARY * extent(&vertices),
@@ -157,6 +160,7 @@ impl Skeleton {
         let mut new = self.clone();
         new.vertices.iter_mut().for_each(|v| *v = rotation * *v + translation);
         new.reach = new.vertices.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        new.middle = mean(&new.vertices);
         new.edges = self.edges.iter().map(|e| edge(&new.vertices, e.vertices)).collect();
         new.find_regions();
         new
@@ -216,8 +220,7 @@ impl Skeleton {
 
     /// Twice the distance of the vertices' mean from the nearest face: a lower bound of a convex skeleton's width.
     fn thickness(&self) -> f64 {
-        let middle = self.vertices.iter().sum::<Vec3>() / self.vertices.len() as f64;
-        let depth = |f: &SkeletonFace| f.offset - f.normal.dot(&middle);
+        let depth = |f: &SkeletonFace| f.offset - f.normal.dot(&self.middle);
         2.0 * self.faces.iter().map(depth).fold(f64::INFINITY, f64::min)
     }
 
@@ -278,6 +281,10 @@ fn edge(vertices: &[Vec3], ends: [u32; 2]) -> SkeletonEdge {
     let [start, end] = ends.map(|v| vertices[v as usize]);
     let along = end - start;
     SkeletonEdge { start, along, length2: along.norm_squared(), vertices: ends }
+}
+
+fn mean(points: &[Vec3]) -> Vec3 {
+    points.iter().sum::<Vec3>() / points.len() as f64
 }
 
 /// Of the plane of the first corner: faces that are flat to rounded numbers only are as in Rockable, where these come
