@@ -96,14 +96,15 @@ struct Found {
     spheres: Vec<Slot>,
     parts: Vec<Slot>,
     rounded_parts: Vec<Slot>,
+    features: Vec<Slot>,
     walls: Vec<Slot>,
     rounded_walls: Vec<Slot>,
 }
 
 impl Found {
     /// In the order of [`SlotKind`].
-    fn by_kind(&self) -> [&Vec<Slot>; 5] {
-        [&self.spheres, &self.parts, &self.rounded_parts, &self.walls, &self.rounded_walls]
+    fn by_kind(&self) -> [&Vec<Slot>; 6] {
+        [&self.spheres, &self.parts, &self.rounded_parts, &self.features, &self.walls, &self.rounded_walls]
     }
 }
 
@@ -220,7 +221,7 @@ impl Neighbours {
             })
             .collect();
         let mut slots = Vec::with_capacity(found.iter().flat_map(Found::by_kind).map(Vec::len).sum());
-        for kind in 0..5 {
+        for kind in 0..6 {
             found.iter().for_each(|f| slots.extend_from_slice(f.by_kind()[kind]));
         }
         slots
@@ -266,7 +267,9 @@ impl Neighbours {
                 if apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
                     continue;
                 }
-                if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
+                if part_a.is_rounded_polyhedron() || part_b.is_rounded_polyhedron() {
+                    found.features.push(slot(ka, kb, SlotKind::Features));
+                } else if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
                     found.rounded_parts.push(slot(ka, kb, SlotKind::RoundedParts));
                 } else {
                     found.parts.push(slot(ka, kb, SlotKind::Parts));

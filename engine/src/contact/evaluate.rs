@@ -52,6 +52,8 @@ fn evaluate_chunk(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactCh
         None => evaluate_plain(slots, wrenches, chunk, inputs),
         Some(laws) => evaluate_points(slots, wrenches, chunk, inputs, laws),
     }
+    let (deepest, slot) = chunk.features.deepest;
+    chunk.sums.take_rounding(deepest, slot as usize);
     if let Some(rounded) = inputs.rounded {
         evaluate_overlaps(slots, wrenches, (&mut chunk.overlaps, &mut chunk.sums), inputs, rounded);
     }

@@ -6,6 +6,7 @@ mod effective_mass;
 mod evaluate;
 mod evaluate_overlap;
 mod evaluate_points;
+mod features;
 mod find;
 mod history;
 pub mod law;
@@ -14,6 +15,7 @@ mod table;
 
 pub use body_sharing::{BodyPoints, share_over_bodies};
 pub use evaluate::{ForceInputs, evaluate_forces};
+pub use features::FeatureChunk;
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;
 pub use overlap::{OverlapChunk, OverlapContact};

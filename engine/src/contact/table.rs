@@ -3,6 +3,7 @@
 use super::body_sharing::BodyPoints;
 use super::carry::CarriedCaches;
 use super::law::RollingSpring;
+use super::features::FeatureChunk;
 use super::overlap::OverlapChunk;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
@@ -19,6 +20,8 @@ pub enum SlotKind {
     Parts,
     /// Two rounded polyhedra, by generalized overlap.
     RoundedParts,
+    /// Two parts, at least one of them a rounded polyhedron, by their pairs of features.
+    Features,
     /// A convex part and a boundary.
     Wall,
     /// A rounded polyhedron and a boundary, by generalized overlap.
@@ -109,7 +112,7 @@ pub struct Sums {
     pub largest_rounding: f64,
     /// Slot (in the table) of that.
     pub rounding_slot: u32,
-    /// Touching points by kind: smooth, vertex-face, edge-edge.
+    /// Touching points by kind: smooth (and vertex-edge, vertex-vertex), vertex-face, edge-edge.
     pub points_by_kind: [u64; 3],
 }
 
@@ -175,6 +178,8 @@ pub struct ContactChunk {
     pub overlaps: OverlapChunk,
     /// Rolling and twisting springs by slot, where the scene has such a law; else empty.
     pub rolling: Vec<RollingSpring>,
+    /// By pairs of features.
+    pub features: FeatureChunk,
     /// Sums of this step.
     pub sums: Sums,
     /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
@@ -216,6 +221,7 @@ impl ContactTable {
             chunk.caches.clear();
             chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());
             chunk.overlaps.reset(up_to(SlotKind::RoundedParts));
+            chunk.features.reset(up_to(SlotKind::Features));
         }
     }
 
@@ -224,6 +230,7 @@ impl ContactTable {
         for chunk in &mut self.chunks {
             chunk.caches.fill(PairCache::default());
             chunk.overlaps.forget();
+            chunk.features.forget();
         }
     }
 

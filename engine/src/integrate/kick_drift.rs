@@ -10,6 +10,9 @@ use crate::scene::RotationScheme;
 /// Rows per task: small enough to balance, large enough to amortise; never a function of the thread count.
 const CHUNK: usize = 512;
 
+/// What the odometer adds for rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Troubles met in a drift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriftReport {
@@ -81,6 +84,7 @@ pub fn drift(
         inertia,
         rotation,
         motion,
+        odometer,
         ..
     } = particles;
     let (force, torque, shape, radius, mass, inertia) = (&*force, &*torque, &*shape, &*radius, &*mass, &*inertia);
@@ -91,12 +95,13 @@ pub fn drift(
         angular_momentum[..n].par_iter_mut(),
         rotation[..n].par_iter_mut(),
         motion[..n].par_iter_mut(),
+        odometer[..n].par_iter_mut(),
     );
     let half = 0.5 * dt;
     rows.into_par_iter()
         .enumerate()
         .with_min_len(CHUNK)
-        .map(|(row, (x, v, q, momentum, rotation, motion))| {
+        .map(|(row, (x, v, q, momentum, rotation, motion, odometer))| {
             let acceleration = force[row] / mass[row] + gravity;
             *v += acceleration * half;
             *x += *v * dt;
@@ -117,12 +122,20 @@ pub fn drift(
                 motion.mean_angular_velocity = *momentum / inertia.x;
                 motion.angular_velocity = predicted / inertia.x;
             }
+            *odometer += path_m(motion, dt, if rotates[shape[row] as usize] { radius[row] } else { 0.0 });
             DriftReport {
                 not_converged: u64::from(!converged),
                 largest_relative_displacement: motion.mean_velocity.norm() * dt / radius[row],
             }
         })
         .reduce(DriftReport::default, DriftReport::merged)
+}
+
+/// Bound on how far a step moves the points within `lever` of the centre, m.
+fn path_m(motion: &ContactMotion, dt: f64, lever: f64) -> f64 {
+    // the Cayley map turns by 2 atan(|w| dt / 2), less than |w| dt
+    let speed = motion.mean_velocity.norm() + motion.mean_angular_velocity.norm() * lever;
+    speed * dt * (1.0 + ROUNDING)
 }
 
 /// v and J from the middle of the step to its end, with the forces there. Returns the first row that is not finite.

@@ -14,7 +14,7 @@ use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, round
 use crate::integrate::point_bounds;
 use crate::particles::NewParticle;
 use crate::scene::AngularVelocity;
-use crate::shape::{Part, Shape};
+use crate::shape::{MAX_FEATURES, Part, Shape};
 
 /// A scene that has been proved usable.
 #[derive(Clone, Debug)]
@@ -92,6 +92,7 @@ impl Scene {
                     .ok()
             })
             .collect();
+        check_skeletons(&shapes, &mut problems);
         let pairs = build_pairs(&description, &mut problems);
         if !problems.0.is_empty() {
             return Err(InvalidScene(problems.0));
@@ -451,6 +452,16 @@ fn material_index(description: &SceneDescription, name: &str, path: String, prob
         problems.add(path, format!("'{name}' is not a [[material]]; the scene has {known:?}"));
     }
     index
+}
+
+/// Whatever may meet a rounded polyhedron must have features that can be named.
+fn check_skeletons(shapes: &[Shape], problems: &mut Problems) {
+    let any_rounded = shapes.iter().flat_map(Shape::parts).any(|part| part.is_rounded_polyhedron());
+    let nameless = |shape: &Shape| shape.parts().iter().any(|part| part.skeleton.is_none());
+    for (k, _) in shapes.iter().enumerate().filter(|(_, shape)| any_rounded && nameless(shape)) {
+        let problem = format!("has more than {MAX_FEATURES} features, too many to meet a rounded polyhedron");
+        problems.add(format!("shape[{k}].geometry"), problem);
+    }
 }
 
 fn build_pairs(description: &SceneDescription, problems: &mut Problems) -> PairTable {
