@@ -74,6 +74,11 @@ impl AngularVelocity {
                 let angle = rate0 * ramp + 0.5 * slope * ramp * ramp + rad_per_s * (t - ramp);
                 (angle, if t < duration_s { rate0 + slope * ramp } else { rad_per_s })
             }
+            AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad } => {
+                let omega = std::f64::consts::TAU * frequency_hz;
+                let (sine, cosine) = (omega * t + phase_rad).sin_cos();
+                (amplitude_rad_per_s / omega * (phase_rad.cos() - cosine), amplitude_rad_per_s * sine)
+            }
         }
     }
 
@@ -82,8 +87,21 @@ impl AngularVelocity {
         match *self {
             AngularVelocity::Constant { rad_per_s } => rad_per_s.abs(),
             AngularVelocity::Ramp { rad_per_s, .. } => rad_per_s.abs().max(rate0.abs()),
+            AngularVelocity::Oscillation { amplitude_rad_per_s, .. } => amplitude_rad_per_s.abs(),
         }
     }
+}
+
+/// (displacement, velocity) after `t` of a table of validated rows.
+fn table_at(times_s: &[f64], displacements_m: &[[f64; 3]], t: f64) -> (Vec3, Vec3) {
+    let next = times_s.partition_point(|&time| time <= t);
+    let last = times_s.len() - 1;
+    if next > last {
+        return (Vec3::from(displacements_m[last]), Vec3::zeros());
+    }
+    let (from, to) = (Vec3::from(displacements_m[next - 1]), Vec3::from(displacements_m[next]));
+    let velocity = (to - from) / (times_s[next] - times_s[next - 1]);
+    (from + velocity * (t - times_s[next - 1]), velocity)
 }
 
 impl Boundary {
@@ -148,10 +166,18 @@ impl Boundary {
                 self.angular_velocity = Vec3::zeros();
             }
             MotionDescription::Translation { velocity_m_per_s } => {
-                self.velocity = Vec3::from(*velocity_m_per_s);
-                self.angular_velocity = Vec3::zeros();
-                self.point = motion.start_point + self.velocity * t;
-                self.pivot = self.point;
+                let velocity = Vec3::from(*velocity_m_per_s);
+                self.shift_to(velocity * t, velocity);
+            }
+            MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad } => {
+                let omega = std::f64::consts::TAU * frequency_hz;
+                let (sine, cosine) = (omega * t + phase_rad).sin_cos();
+                let amplitude = Vec3::from(*amplitude_m);
+                self.shift_to(amplitude * (sine - phase_rad.sin()), amplitude * (omega * cosine));
+            }
+            MotionDescription::Table { times_s, displacements_m } => {
+                let (displacement, velocity) = table_at(times_s, displacements_m, t.max(0.0));
+                self.shift_to(displacement, velocity);
             }
             MotionDescription::Rotation { point_m, axis, angular_velocity } => {
                 let axis = unit(axis);
@@ -168,6 +194,14 @@ impl Boundary {
                 }
             }
         }
+    }
+
+    /// Moved by `displacement` since the start of the motion, without rotation.
+    fn shift_to(&mut self, displacement: Vec3, velocity: Vec3) {
+        self.velocity = velocity;
+        self.angular_velocity = Vec3::zeros();
+        self.point = self.motion.start_point + displacement;
+        self.pivot = self.point;
     }
 
     /// Whether the rotation maps the surface onto itself, so that its pose need not change.
@@ -193,6 +227,12 @@ impl Boundary {
         match &self.motion.description {
             MotionDescription::Fixed => 0.0,
             MotionDescription::Translation { velocity_m_per_s } => Vec3::from(*velocity_m_per_s).norm(),
+            MotionDescription::Oscillation { amplitude_m, frequency_hz, .. } => {
+                Vec3::from(*amplitude_m).norm() * std::f64::consts::TAU * frequency_hz
+            }
+            MotionDescription::Table { times_s, displacements_m } => {
+                times_s.iter().map(|&time| table_at(times_s, displacements_m, time).1.norm()).fold(0.0, f64::max)
+            }
             MotionDescription::Rotation { point_m, axis, angular_velocity } => {
                 if self.turns_in_itself(&Vec3::from(*point_m), &unit(axis)) {
                     0.0
@@ -266,6 +306,39 @@ mod tests {
         drum.move_to(5.0);
         // 2 + mean 4 over the ramp of 2 s + 6 for 1 s more
         assert!((drum.angle - (2.0 + 8.0 + 6.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn oscillations_and_tables_start_where_the_boundary_is_and_move_at_their_velocity() {
+        let mut drum = drum();
+        let table = MotionDescription::Table {
+            times_s: vec![0.0, 1.0, 3.0],
+            displacements_m: vec![[0.0; 3], [0.0, 2.0, 0.0], [4.0, 2.0, 0.0]],
+        };
+        let wave = MotionDescription::Oscillation { amplitude_m: [0.1, 0.0, 0.2], frequency_hz: 0.7, phase_rad: 0.4 };
+        let turn =
+            about_y(AngularVelocity::Oscillation { amplitude_rad_per_s: 3.0, frequency_hz: 1.3, phase_rad: -0.3 });
+        let mut start_s = 1.0;
+        for motion in [table, wave, turn] {
+            let before = (drum.point, drum.angle);
+            drum.set_motion(motion, start_s);
+            assert_eq!((drum.point, drum.angle), before);
+            let largest = drum.largest_closing_speed(1.0);
+            for k in 0..40 {
+                let (time, h) = (start_s + 0.05 + 0.1 * f64::from(k), 1e-6);
+                let at = |drum: &mut Boundary, time| {
+                    drum.move_to(time);
+                    (drum.point, drum.angle)
+                };
+                let ((x0, a0), (x1, a1)) = (at(&mut drum, time - h), at(&mut drum, time + h));
+                drum.move_to(time);
+                assert!(((x1 - x0) / (2.0 * h) - drum.surface_velocity(&drum.point)).norm() < 1e-7, "{time}");
+                assert!(((a1 - a0) / (2.0 * h) - drum.angular_velocity.y).abs() < 1e-7, "{time}");
+                assert!(drum.velocity.norm() <= largest * (1.0 + 1e-12));
+            }
+            start_s += 5.0;
+        }
+        drum.set_motion(MotionDescription::Fixed, start_s);
     }
 
     #[test]

@@ -28,6 +28,7 @@ pub(crate) struct Ledger {
     pub initial: f64,
     pub dissipated_normal: f64,
     pub dissipated_friction: f64,
+    pub dissipated_local: f64,
     pub work_boundaries: f64,
     pub work_commands: f64,
     last: Sums,

@@ -11,11 +11,11 @@ use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, 
 use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
 use crate::gather::gather;
-use crate::integrate;
+use crate::integrate::{self, LocalDamping};
 use crate::math::Vec3;
 use crate::particles::{ContactMotion, Particles};
 use crate::report::WarningCounts;
-use crate::scene::Scene;
+use crate::scene::{Scene, SharingScope};
 use crate::timing::{Stage, StageTimer};
 
 /// A running simulation.
@@ -31,6 +31,8 @@ pub struct Engine {
     /// Springs that outlive a change of the particles, until the next rebuild takes them.
     pub(crate) kept_springs: Vec<SpringRecord>,
     pub(crate) ledger: Ledger,
+    /// Of the last evaluation, where the scene damps locally.
+    pub(crate) local_damping: LocalDamping,
     pub(crate) warnings: WarningCounts,
     pub(crate) largest_ratio_so_far: f64,
     pub(crate) next_id: u64,
@@ -69,6 +71,7 @@ impl Engine {
             sums: Sums::default(),
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
+            local_damping: LocalDamping::default(),
             warnings: WarningCounts::default(),
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
@@ -173,6 +176,7 @@ impl Engine {
         self.find_contacts();
         self.evaluate_with(0.0);
         self.gather_forces();
+        self.damp_locally(0.0);
         self.sums = self.contacts.sums();
         self.ledger.restart(&self.sums);
     }
@@ -191,7 +195,9 @@ impl Engine {
 
     pub(crate) fn half_kick_and_drift(&mut self) {
         let dt = self.clock.time_step_s();
-        let report = integrate::drift(&mut self.particles, &self.gravity, dt, &self.scene.plan().rotates);
+        let rotation = self.scene.description().integrator.rotation;
+        let rotates = &self.scene.plan().rotates;
+        let report = integrate::drift(&mut self.particles, &self.gravity, dt, (rotation, rotates));
         self.warnings.rotation_not_converged += report.not_converged;
         self.warnings.fast_particle += u64::from(report.largest_displacement_squared > FAST * FAST);
     }
@@ -229,7 +235,7 @@ impl Engine {
             return particles.update_places(!contacts.spheres.is_empty());
         }
         let kept = std::mem::take(&mut self.kept_springs);
-        let springs = match scene.plan().history && kept.is_empty() {
+        let springs = match (scene.plan().history || scene.plan().rolling) && kept.is_empty() {
             true => contacts.slot_springs(particles),
             false => Vec::new(),
         };
@@ -254,6 +260,10 @@ impl Engine {
             history: self.scene.plan().history,
         };
         contact::find_contacts(&mut self.contacts, &inputs);
+        let section = &self.scene.description().contact;
+        if section.sharing_scope == SharingScope::Bodies {
+            contact::share_over_bodies(&mut self.contacts, section.sharing);
+        }
     }
 
     pub(crate) fn evaluate_forces(&mut self) {
@@ -270,6 +280,7 @@ impl Engine {
             pairs: self.scene.pairs(),
             contact_end: section.contact_end,
             tangential: section.tangential,
+            point_laws: self.scene.point_laws(),
             rounded: self.scene.rounded(),
             stretch_time_s,
         };
@@ -278,6 +289,16 @@ impl Engine {
 
     pub(crate) fn gather_forces(&mut self) {
         gather(&mut self.particles, &self.contacts, &self.neighbours);
+    }
+
+    /// Adds local damping to the gathered forces, where the scene has it, and books what it took over a time.
+    pub(crate) fn damp_locally(&mut self, time_s: f64) {
+        let alpha = self.scene.description().integrator.local_damping;
+        if alpha > 0.0 {
+            let before = self.local_damping.power;
+            self.local_damping = integrate::damp_locally(&mut self.particles, &self.gravity, alpha);
+            self.ledger.dissipated_local += 0.5 * time_s * (before + self.local_damping.power);
+        }
     }
 
     pub(crate) fn half_kick(&mut self) {

@@ -55,7 +55,7 @@ pub enum StepError {
     },
     /// Two rounded polyhedra overlap by more than the rounding: the law ends there.
     #[error(
-        "particle {a} overlaps {b} by a generalized overlap of {ratio:.2} rounding radii at step {step} (limit {limit}): raise stiffness_n_per_m or contact.generalized_overlap.rounding_fraction, or reduce time_step_s"
+        "particle {a} overlaps {b} by a generalized overlap or one of features of {ratio:.2} rounding radii at step {step} (limit {limit}): raise stiffness_n_per_m, contact.generalized_overlap.rounding_fraction or the radius_m of a rounded polyhedron, or reduce time_step_s"
     )]
     BeyondRounding {
         /// The particle.

@@ -73,6 +73,9 @@ pub struct Particles {
     /// (n_owned + n_ghosts). Two rows are `(x_b - x_a) + (o_b - o_a)` apart, in these very operations, so that the
     /// bits do not depend on when the list was rebuilt.
     pub offset: Vec<Vec3>,
+    /// Bound on how far any point of the surface has moved since the row was made, added up over the steps, m
+    /// (n_owned + n_ghosts). Two surfaces have closed in by at most the sum of what theirs have grown by.
+    pub odometer: Vec<f64>,
     /// Which row a ghost is an image of (n_ghosts).
     pub ghost_owner: Vec<u32>,
     /// Offset of the ghost less that of its owner, m (n_ghosts).
@@ -158,6 +161,7 @@ impl Particles {
         self.rotation.push(rotation);
         self.motion.push(ContactMotion::default());
         self.offset.push(Vec3::zeros());
+        self.odometer.push(0.0);
     }
 
     /// Forgets the ghosts.
@@ -172,6 +176,7 @@ impl Particles {
         self.rotation.truncate(n);
         self.motion.truncate(n);
         self.offset.truncate(n);
+        self.odometer.truncate(n);
         self.ghost_owner.clear();
         self.ghost_shift.clear();
     }
@@ -187,6 +192,7 @@ impl Particles {
         self.rotation.push(self.rotation[owner]);
         self.motion.push(self.motion[owner]);
         self.offset.push(self.offset[owner] + shift);
+        self.odometer.push(self.odometer[owner]);
         self.ghost_owner.push(owner as u32);
         self.ghost_shift.push(shift);
     }
@@ -225,6 +231,7 @@ impl Particles {
             self.offset[n + k] = self.offset[owner] + shift;
             self.rotation[n + k] = self.rotation[owner];
             self.motion[n + k] = self.motion[owner];
+            self.odometer[n + k] = self.odometer[owner];
         }
     }
 
@@ -254,6 +261,7 @@ impl Particles {
         column(&mut self.rotation, rows, &mut scratch.matrix);
         column(&mut self.motion, rows, &mut scratch.motion);
         column(&mut self.offset, rows, &mut scratch.vector);
+        column(&mut self.odometer, rows, &mut scratch.number);
     }
 
     /// Vector from `a` to `b`.

@@ -17,6 +17,8 @@ pub struct EnergyBalance {
     pub dissipated_normal_j: f64,
     /// Taken by sliding and by tangential dashpots.
     pub dissipated_friction_j: f64,
+    /// Taken by local damping.
+    pub dissipated_local_j: f64,
     /// Done by moving boundaries on particles.
     pub work_boundaries_j: f64,
     /// Brought in by commands: insertion, removal, change of gravity.

@@ -27,6 +27,7 @@ impl Engine {
         self.lap(Stage::Forces);
 
         self.gather_forces();
+        self.damp_locally(self.clock.time_step_s());
         self.lap(Stage::Gather);
 
         self.half_kick();

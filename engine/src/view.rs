@@ -90,7 +90,7 @@ impl Engine {
             neighbour_rebuilds: self.neighbours.rebuilds,
             energy: self.energy_balance(),
             momentum_kg_m_per_s: momentum.into(),
-            internal_force_residual_n: (total - from_walls).norm(),
+            internal_force_residual_n: (total - from_walls - self.local_damping.force).norm(),
             largest_overlap_m: self.sums.largest_overlap,
             largest_overlap_ratio: self.sums.largest_ratio,
             largest_overlap_over_rounding: self.sums.largest_rounding,
@@ -112,9 +112,13 @@ impl Engine {
             elastic_j: stored.elastic,
             dissipated_normal_j: ledger.dissipated_normal,
             dissipated_friction_j: ledger.dissipated_friction,
+            dissipated_local_j: ledger.dissipated_local,
             work_boundaries_j: ledger.work_boundaries,
             work_commands_j: ledger.work_commands,
-            residual_j: stored.total() + ledger.dissipated_normal + ledger.dissipated_friction
+            residual_j: stored.total()
+                + ledger.dissipated_normal
+                + ledger.dissipated_friction
+                + ledger.dissipated_local
                 - ledger.work_boundaries
                 - ledger.work_commands
                 - ledger.initial,

@@ -15,6 +15,8 @@
 //! assert!(matches!(Request::decode(Verb::SetGravity, &bytes), Ok(Request::SetGravity(_))));
 //! ```
 
+#![deny(missing_docs)]
+
 pub mod columns;
 #[cfg(feature = "engine")]
 pub mod convert;

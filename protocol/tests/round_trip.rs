@@ -73,12 +73,22 @@ fn motion() -> impl Strategy<Value = MotionDescription> {
     let angular_velocity = prop_oneof![
         number().prop_map(|rad_per_s| AngularVelocity::Constant { rad_per_s }),
         (number(), number()).prop_map(|(rad_per_s, duration_s)| AngularVelocity::Ramp { rad_per_s, duration_s }),
+        (number(), number(), number()).prop_map(|(amplitude_rad_per_s, frequency_hz, phase_rad)| {
+            AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad }
+        }),
     ];
     prop_oneof![
         Just(MotionDescription::Fixed),
         vector().prop_map(|velocity_m_per_s| MotionDescription::Translation { velocity_m_per_s }),
         (vector(), vector(), angular_velocity).prop_map(|(point_m, axis, angular_velocity)| {
             MotionDescription::Rotation { point_m, axis, angular_velocity }
+        }),
+        (vector(), number(), number()).prop_map(|(amplitude_m, frequency_hz, phase_rad)| {
+            MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad }
+        }),
+        proptest::collection::vec((number(), vector()), 0..5).prop_map(|rows| {
+            let (times_s, displacements_m) = rows.into_iter().unzip();
+            MotionDescription::Table { times_s, displacements_m }
         }),
     ]
 }

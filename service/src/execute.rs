@@ -289,10 +289,13 @@ fn motion_path(motion: &MotionDescription, path: &str) -> String {
     match motion {
         MotionDescription::Fixed => path.into(),
         MotionDescription::Translation { .. } => format!("motion.translation.{rest}"),
+        MotionDescription::Oscillation { .. } => format!("motion.oscillation.{rest}"),
+        MotionDescription::Table { .. } => format!("motion.table.{rest}"),
         MotionDescription::Rotation { angular_velocity, .. } => {
             let law = match angular_velocity {
                 AngularVelocity::Constant { .. } => "constant",
                 AngularVelocity::Ramp { .. } => "ramp",
+                AngularVelocity::Oscillation { .. } => "oscillation",
             };
             format!("motion.rotation.{}", rest.replace("angular_velocity", law))
         }

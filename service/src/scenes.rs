@@ -23,7 +23,15 @@ macro_rules! bundled {
     };
 }
 
-bundled!("bouncing-sphere", "cube-heap", "drum-crosses", "drum-spheres", "pinacoid-layer", "spherocylinder-slope");
+bundled!(
+    "bouncing-sphere",
+    "cube-heap",
+    "cube-tower",
+    "drum-crosses",
+    "drum-spheres",
+    "pinacoid-layer",
+    "spherocylinder-slope"
+);
 
 impl Bundled {
     /// The one of a name.

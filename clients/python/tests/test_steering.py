@@ -286,3 +286,69 @@ def test_a_scene_from_the_bundle_and_one_from_a_file(tmp_path: object) -> None:
     with sturz.launch("drum-crosses", threads=2) as simulation:
         assert simulation.info().threads == 2
         assert any(shape.kind == "cross_3d" for shape in simulation.shapes())
+
+
+FLOOR = """
+[[material]]
+name = "steel"
+[[material_pair]]
+materials = ["glass", "steel"]
+stiffness_n_per_m = 1e3
+restitution = 0.5
+friction = 0.5
+[[boundary]]
+name = "floor"
+material = "steel"
+geometry = { kind = "plane", point_m = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+"""
+
+
+def test_a_floor_oscillates_swings_and_follows_a_table() -> None:
+    with sturz.launch(scene_text=SPACE + FLOOR) as simulation:
+
+        def floor() -> sturz.BoundaryState:
+            return simulation.state(["positions"]).boundaries[0]
+
+        simulation.set_oscillation(boundary="floor", amplitude_m=(0, 1e-3, 2e-3), frequency_hz=50.0, phase_rad=0.3)
+        time_s = simulation.advance(window_s=7e-3).time_reached_s
+        wave = np.sin(2 * np.pi * 50.0 * time_s + 0.3) - np.sin(0.3)
+        np.testing.assert_allclose(floor().point_m, [0, 1e-3 * wave, 2e-3 * wave], rtol=1e-12)
+
+        before = floor().point_m
+        simulation.set_table(
+            boundary="floor", times_s=[0, 0.01, 0.02], displacements_m=[[0, 0, 0], [1, 0, 0], [1, 2, 0]]
+        )
+        simulation.advance(window_s=0.015)
+        np.testing.assert_allclose(floor().point_m - before, [1, 1, 0], rtol=1e-9)
+        simulation.advance(window_s=0.05)
+        np.testing.assert_allclose(floor().point_m - before, [1, 2, 0], rtol=1e-12)
+
+        simulation.set_rotation_oscillation(
+            boundary="floor", point_m=(0, 0, 0), axis=(0, 1, 0), amplitude_rad_per_s=3.0, frequency_hz=20.0
+        )
+        simulation.advance(window_s=0.0125)
+        angle = 3.0 / (2 * np.pi * 20.0) * (1 - np.cos(2 * np.pi * 20.0 * 0.0125))
+        np.testing.assert_allclose(floor().direction, [np.sin(angle), 0, np.cos(angle)], atol=1e-9)
+
+
+def test_motions_that_cannot_be_are_refused_with_their_path() -> None:
+    with sturz.launch(scene_text=SPACE + FLOOR) as simulation:
+        before = simulation.info().state_hash
+        bad = [
+            (
+                "motion.oscillation.frequency_hz",
+                simulation.set_oscillation,
+                {"amplitude_m": (0, 0, 1), "frequency_hz": 0},
+            ),
+            ("motion.table.times_s[1]", simulation.set_table, {"times_s": [0, 0], "displacements_m": np.zeros((2, 3))}),
+            (
+                "motion.table.displacements_m",
+                simulation.set_table,
+                {"times_s": [0], "displacements_m": np.zeros((1, 3))},
+            ),
+        ]
+        for path, function, arguments in bad:
+            with pytest.raises(sturz.CommandError) as refused:
+                function(boundary="floor", **arguments)  # type: ignore[operator]
+            assert refused.value.path == path
+        assert simulation.info().state_hash == before

@@ -179,7 +179,7 @@ impl From<Region> for v1::random_placement::Region {
 }
 
 /// Prescribed motion of a boundary.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// At rest.
     Fixed,
@@ -198,6 +198,22 @@ pub enum Motion {
     Translation {
         /// m/s.
         velocity_m_per_s: [f64; 3],
+    },
+    /// To and fro from where it is: amplitude (sin(2 pi frequency t + phase) - sin(phase)).
+    Oscillation {
+        /// Along each axis, m.
+        amplitude_m: [f64; 3],
+        /// Above 0, Hz.
+        frequency_hz: f64,
+        /// At the start, rad.
+        phase_rad: f64,
+    },
+    /// Displacements from where it is over time, linear between the rows.
+    Table {
+        /// Since the command, s: 0 first, then ascending.
+        times_s: Vec<f64>,
+        /// One per time, m: (0, 0, 0) first.
+        displacements_m: Vec<[f64; 3]>,
     },
 }
 
@@ -220,6 +236,15 @@ impl From<Motion> for v1::Motion {
             Motion::Translation { velocity_m_per_s } => {
                 Kind::Translation(v1::TranslationMotion { velocity_m_per_s: Some(vec3(velocity_m_per_s)) })
             }
+            Motion::Oscillation { amplitude_m, frequency_hz, phase_rad } => Kind::Oscillation(v1::OscillationMotion {
+                amplitude_m: Some(vec3(amplitude_m)),
+                frequency_hz,
+                phase_rad,
+            }),
+            Motion::Table { times_s, displacements_m } => Kind::Table(v1::TableMotion {
+                times_s,
+                displacements_m: Some(rows("displacements_m", "m", &displacements_m)),
+            }),
         };
         Self { kind: Some(kind) }
     }

@@ -20,20 +20,22 @@ pub struct Found {
     pub spheres: Vec<[u32; 2]>,
     parts: Vec<Slot>,
     rounded_parts: Vec<Slot>,
+    features: Vec<Slot>,
     walls: Vec<Slot>,
     rounded_walls: Vec<Slot>,
 }
 
 impl Found {
     /// In the order of [`SlotKind`].
-    fn by_kind(&self) -> [&Vec<Slot>; 4] {
-        [&self.parts, &self.rounded_parts, &self.walls, &self.rounded_walls]
+    fn by_kind(&self) -> [&Vec<Slot>; 5] {
+        [&self.parts, &self.rounded_parts, &self.features, &self.walls, &self.rounded_walls]
     }
 
     fn clear(&mut self) {
         self.spheres.clear();
         self.parts.clear();
         self.rounded_parts.clear();
+        self.features.clear();
         self.walls.clear();
         self.rounded_walls.clear();
     }
@@ -66,7 +68,7 @@ impl Search<'_> {
             }
         });
         slots.clear();
-        for kind in 0..4 {
+        for kind in 0..5 {
             found.iter().for_each(|found| slots.extend_from_slice(found.by_kind()[kind]));
         }
     }
@@ -117,7 +119,9 @@ impl Search<'_> {
                 if apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
                     continue;
                 }
-                if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
+                if part_a.is_rounded_polyhedron() || part_b.is_rounded_polyhedron() {
+                    found.features.push(slot(ka, kb, SlotKind::Features));
+                } else if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
                     found.rounded_parts.push(slot(ka, kb, SlotKind::RoundedParts));
                 } else {
                     found.parts.push(slot(ka, kb, SlotKind::Parts));

@@ -38,9 +38,10 @@ pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
 }
 
 fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
-    let ContactChunk { contacts, previous, caches, manifold, overlaps, .. } = chunk;
+    let ContactChunk { contacts, previous, caches, manifold, overlaps, features, .. } = chunk;
     std::mem::swap(contacts, previous);
     contacts.clear();
+    features.deepest = (0.0, 0);
     let mut carried = previous.as_slice();
     if inputs.rounded.is_some() {
         overlaps.begin();
@@ -50,6 +51,7 @@ fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'
         let start = contacts.len();
         match slot.kind {
             SlotKind::Parts => part_pair(index, slot, &mut caches[k], inputs, manifold, contacts),
+            SlotKind::Features => features.find_pair(index, slot, inputs, contacts),
             SlotKind::Wall => part_wall(index, slot, inputs, manifold, contacts),
             SlotKind::RoundedParts | SlotKind::RoundedWall => {
                 let rounded = inputs.rounded.expect("only scenes with cores have such slots");
@@ -118,7 +120,10 @@ fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Ma
         WallShape::Plane => narrow::part_plane(part, &wall_from_body, manifold),
         WallShape::CylinderInside(radius) => narrow::part_cylinder(part, &wall_from_body, radius, manifold),
     }
-    share_stiffness(manifold.points_mut(), inputs.sharing);
+    // each vertex of a rounded polyhedron is a contact of its own, as between two of them
+    if !part.is_rounded_polyhedron() {
+        share_stiffness(manifold.points_mut(), inputs.sharing);
+    }
     contacts.extend(manifold.points().iter().map(|point| Contact {
         slot: index,
         feature: point.feature,

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::law::RollingSpring;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, least_chunks};
 use crate::math::Vec3;
 use crate::narrow::FeatureKey;
@@ -31,6 +32,9 @@ impl SpringRecord {
         (self.key.0, self.key.1, self.key.2, self.key.3)
     }
 }
+/// Those of the rolling and the twisting spring of a slot, in rad; no point contact has as many points.
+const ROLL: FeatureKey = FeatureKey::point((1 << 30) - 2);
+const SPIN: FeatureKey = FeatureKey::point((1 << 30) - 1);
 
 /// Key of a slot, without the feature.
 fn slot_key(slot: &Slot, particles: &Particles) -> SlotKey {
@@ -64,6 +68,7 @@ impl ContactTable {
             })
             .collect();
         self.push_overlap_springs(particles, &mut records);
+        self.push_rolling_springs(particles, &mut records);
         records.par_sort_unstable_by_key(|record| record.key);
         records
     }
@@ -79,6 +84,19 @@ impl ContactTable {
                 };
                 push(SLIDE, contact.spring);
                 push(TWIST, Vec3::x() * contact.twist);
+            }
+        }
+    }
+
+    fn push_rolling_springs(&self, particles: &Particles, records: &mut Vec<SpringRecord>) {
+        for (k, chunk) in self.chunks.iter().enumerate() {
+            for (slot, spring) in chunk.rolling.iter().enumerate().filter(|(_, s)| **s != RollingSpring::default()) {
+                let (a, b, part_a, part_b) = slot_key(&self.slots[k * CHUNK + slot], particles);
+                for (feature, spring) in [(ROLL, spring.roll), (SPIN, Vec3::x() * spring.twist)] {
+                    if spring != Vec3::zeros() {
+                        records.push(SpringRecord { key: (a, b, part_a, part_b, feature), spring });
+                    }
+                }
             }
         }
     }
@@ -127,7 +145,14 @@ fn restore_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, records: &[SpringR
             }
             continue;
         }
-        chunk.contacts.extend(own.map(|record| Contact {
+        let is_turn = |record: &SpringRecord| [ROLL, SPIN].contains(&record.key.4);
+        for record in own.clone().filter(|record| is_turn(record)) {
+            let known = chunk.rolling.len().max(index as usize + 1);
+            chunk.rolling.resize(known, RollingSpring::default());
+            let of_slot = &mut chunk.rolling[index as usize];
+            if record.key.4 == ROLL { of_slot.roll = record.spring } else { of_slot.twist = record.spring.x }
+        }
+        chunk.contacts.extend(own.filter(|record| !is_turn(record)).map(|record| Contact {
             slot: index,
             feature: record.key.4,
             weight: 0.0,

@@ -1,8 +1,12 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
+mod body_sharing;
 mod carry;
+mod effective_mass;
 mod evaluate;
 mod evaluate_overlap;
+mod evaluate_points;
+mod features;
 mod find;
 mod history;
 pub mod law;
@@ -12,7 +16,9 @@ mod sphere_lanes;
 mod spheres;
 mod table;
 
+pub use body_sharing::{BodyPoints, share_over_bodies};
 pub use evaluate::{ForceInputs, evaluate_forces};
+pub use features::FeatureChunk;
 pub use find::{FindInputs, find_contacts};
 pub use history::SpringRecord;
 pub use overlap::{OverlapChunk, OverlapContact};

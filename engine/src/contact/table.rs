@@ -1,6 +1,9 @@
 //! The table of slots (pairs of parts that may touch until the next rebuild), their contacts, wrenches and sums.
 
+use super::body_sharing::BodyPoints;
 use super::carry::CarriedCaches;
+use super::features::FeatureChunk;
+use super::law::RollingSpring;
 use super::overlap::OverlapChunk;
 use super::spheres::SpherePairs;
 use crate::math::Vec3;
@@ -22,6 +25,8 @@ pub enum SlotKind {
     Parts,
     /// Two rounded polyhedra, by generalized overlap.
     RoundedParts,
+    /// Two parts, at least one of them a rounded polyhedron, by their pairs of features.
+    Features,
     /// A convex part and a boundary.
     Wall,
     /// A rounded polyhedron and a boundary, by generalized overlap.
@@ -112,7 +117,7 @@ pub struct Sums {
     pub largest_rounding: f64,
     /// Slot (in the table) of that.
     pub rounding_slot: u32,
-    /// Touching points by kind: smooth, vertex-face, edge-edge.
+    /// Touching points by kind: smooth (and vertex-edge, vertex-vertex), vertex-face, edge-edge.
     pub points_by_kind: [u64; 3],
 }
 
@@ -125,6 +130,16 @@ impl Sums {
         if ratio > self.largest_ratio {
             (self.largest_ratio, self.largest_slot) = (ratio, slot as u32);
         }
+    }
+
+    /// A touching point.
+    #[inline(always)]
+    pub fn count_point(&mut self, feature: FeatureKey) {
+        self.points_by_kind[match feature.kind() {
+            0 => 0,
+            3 => 2,
+            _ => 1,
+        }] += 1;
     }
 
     /// The generalized overlap of a slot of the chunk over its mean rounding radius.
@@ -166,6 +181,10 @@ pub struct ContactChunk {
     pub previous: Vec<Contact>,
     /// By generalized overlap.
     pub overlaps: OverlapChunk,
+    /// Rolling and twisting springs by slot, where the scene has such a law; else empty.
+    pub rolling: Vec<RollingSpring>,
+    /// By pairs of features.
+    pub features: FeatureChunk,
     /// Sums of this step.
     pub sums: Sums,
     /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
@@ -185,6 +204,8 @@ pub struct ContactTable {
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
     pub chunks: Vec<ContactChunk>,
+    /// Scratch of sharing over bodies.
+    pub body_points: Vec<BodyPoints>,
     /// Scratch of a rebuild.
     pub carried: CarriedCaches,
 }
@@ -207,10 +228,12 @@ impl ContactTable {
             let up_to = |kind: SlotKind| slots.iter().rposition(|slot| slot.kind == kind).map_or(0, |last| last + 1);
             chunk.contacts.clear();
             chunk.previous.clear();
+            chunk.rolling.clear();
             chunk.sums = Sums::default();
             chunk.caches.clear();
             chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());
             chunk.overlaps.reset(up_to(SlotKind::RoundedParts));
+            chunk.features.reset(up_to(SlotKind::Features));
         }
     }
 
@@ -219,6 +242,7 @@ impl ContactTable {
         for chunk in &mut self.chunks {
             chunk.caches.fill(PairCache::default());
             chunk.overlaps.forget();
+            chunk.features.forget();
         }
     }
 

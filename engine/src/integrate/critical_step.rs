@@ -12,18 +12,24 @@ pub struct Body {
     pub mass: f64,
     /// What rotation adds at the worst place.
     pub leverage: Leverage,
+    /// Largest number of points that its parts have with a wall.
+    pub points: u32,
+    /// Radius of its roundest part, or of the bounding sphere of a polyhedron, m.
+    pub radius: f64,
+    /// kg m2
+    pub smallest_inertia: f64,
     /// Has parts that meet others of the kind by generalized overlap.
     pub is_rounded: bool,
 }
 
 impl Body {
     /// Largest inverse effective mass of a normal force, 1/kg.
-    fn inverse_normal_mass(&self) -> f64 {
+    pub(super) fn inverse_normal_mass(&self) -> f64 {
         (1.0 + self.leverage.normal) / self.mass
     }
 
     /// Largest inverse effective mass of a tangential force, 1/kg.
-    fn inverse_tangential_mass(&self) -> f64 {
+    pub(super) fn inverse_tangential_mass(&self) -> f64 {
         (1.0 + self.leverage.tangential) / self.mass
     }
 }
@@ -73,12 +79,13 @@ fn is_stable(omega_dt: f64, zeta: f64) -> bool {
 }
 
 /// Largest stable step of a damped oscillator, s.
-fn bound(stiffness: f64, damping: f64, inverse_mass: f64) -> f64 {
+pub(super) fn bound(stiffness: f64, damping: f64, inverse_mass: f64) -> f64 {
     let omega = (stiffness * inverse_mass).sqrt();
     if omega > 0.0 {
         largest_stable_product(0.5 * damping * inverse_mass / omega) / omega
     } else if damping > 0.0 {
-        2.0 / (damping * inverse_mass)
+        // the limit of the product above for ever larger zeta
+        1.0 / (damping * inverse_mass)
     } else {
         f64::INFINITY
     }
@@ -148,6 +155,8 @@ mod tests {
     #[test]
     fn limit_separates_bounded_from_growing_motion() {
         assert!((largest_stable_product(0.0) - 2.0).abs() < 1e-5);
+        // c dt/m = 2 zeta omega dt at most 1 for a dashpot alone
+        assert!((largest_stable_product(1e4) * 2e4 - 1.0).abs() < 1e-3);
         for zeta in [0.02, 0.05, 0.2, 0.5, 1.0, 2.0] {
             let limit = largest_stable_product(zeta);
             assert!(amplitude(0.995 * limit, zeta) < 100.0, "zeta {zeta} limit {limit}");

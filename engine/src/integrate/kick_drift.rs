@@ -2,13 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::omelyan;
-use crate::math::Vec3;
+use super::{omelyan, splitting};
+use crate::math::{Quat, Vec3};
 use crate::parallel::least;
 use crate::particles::{ContactMotion, Particles};
+use crate::scene::RotationScheme;
 
 /// Rows per task: small enough to balance, large enough to amortise; never a function of the thread count.
 const CHUNK: usize = 512;
+
+/// What the odometer adds for rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Troubles met in a drift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,8 +32,45 @@ impl DriftReport {
     }
 }
 
+/// A turn over one step.
+struct Turn {
+    orientation: Quat,
+    /// World axes, rad/s.
+    mean_angular_velocity: Vec3,
+    converged: bool,
+}
+
+/// Turns a body with the angular momentum (world axes) of the middle of the step.
+#[inline(always)]
+fn turn(scheme: RotationScheme, orientation: &Quat, momentum_in_body: &Vec3, inertia: &Vec3, dt: f64) -> Turn {
+    match scheme {
+        RotationScheme::Omelyan => {
+            let middle = omelyan::middle_angular_velocity(momentum_in_body, inertia, dt);
+            let after = omelyan::turned(orientation, &middle.angular_velocity_in_body, dt);
+            Turn {
+                orientation: after,
+                // The Cayley map leaves its own axis alone, so the new rotation may carry it to world axes.
+                mean_angular_velocity: after.to_rotation_matrix().into_inner() * middle.angular_velocity_in_body,
+                converged: middle.converged,
+            }
+        }
+        RotationScheme::Splitting => {
+            let after = splitting::turned(orientation, *momentum_in_body, inertia, dt);
+            let mean_angular_velocity = splitting::mean_angular_velocity(orientation, &after, dt);
+            Turn { orientation: after, mean_angular_velocity, converged: true }
+        }
+    }
+}
+
 /// v and J to the middle of the step, x and the orientation to its end; predicts the velocities there.
-pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool]) -> DriftReport {
+///
+/// `rotates` says by shape whether orientations are integrated.
+pub fn drift(
+    particles: &mut Particles,
+    gravity: &Vec3,
+    dt: f64,
+    (scheme, rotates): (RotationScheme, &[bool]),
+) -> DriftReport {
     let n = particles.n_owned();
     let Particles {
         position,
@@ -44,6 +85,7 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
         inertia,
         rotation,
         motion,
+        odometer,
         ..
     } = particles;
     let (force, torque, shape, radius, mass, inertia) = (&*force, &*torque, &*shape, &*radius, &*mass, &*inertia);
@@ -54,12 +96,13 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
         angular_momentum[..n].par_iter_mut(),
         rotation[..n].par_iter_mut(),
         motion[..n].par_iter_mut(),
+        odometer[..n].par_iter_mut(),
     );
     let half = 0.5 * dt;
     rows.into_par_iter()
         .enumerate()
         .with_min_len(least(n, CHUNK, 15))
-        .map(|(row, (x, v, q, momentum, rotation, motion))| {
+        .map(|(row, (x, v, q, momentum, rotation, motion, odometer))| {
             // One division where `/` on vectors makes three.
             let acceleration = force[row] * (1.0 / mass[row]) + gravity;
             *v += acceleration * half;
@@ -71,18 +114,18 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
             let inertia = &inertia[row];
             let mut converged = true;
             if rotates[shape[row] as usize] {
-                let middle = omelyan::middle_angular_velocity(&rotation.tr_mul(momentum), inertia, dt);
-                converged = middle.converged;
-                *q = omelyan::turned(q, &middle.angular_velocity_in_body, dt);
+                let turn = turn(scheme, q, &rotation.tr_mul(momentum), inertia, dt);
+                converged = turn.converged;
+                *q = turn.orientation;
                 *rotation = q.to_rotation_matrix().into_inner();
-                // The Cayley map leaves its own axis alone, so the new rotation may carry it to world axes.
-                motion.mean_angular_velocity = *rotation * middle.angular_velocity_in_body;
+                motion.mean_angular_velocity = turn.mean_angular_velocity;
                 motion.angular_velocity = *rotation * rotation.tr_mul(&predicted).component_div(inertia);
             } else {
                 let mobility = 1.0 / inertia.x;
                 motion.mean_angular_velocity = *momentum * mobility;
                 motion.angular_velocity = predicted * mobility;
             }
+            *odometer += path_m(motion, dt, if rotates[shape[row] as usize] { radius[row] } else { 0.0 });
             DriftReport {
                 not_converged: u64::from(!converged),
                 largest_displacement_squared: motion.mean_velocity.norm_squared() * (dt * dt)
@@ -90,6 +133,13 @@ pub fn drift(particles: &mut Particles, gravity: &Vec3, dt: f64, rotates: &[bool
             }
         })
         .reduce(DriftReport::default, DriftReport::merged)
+}
+
+/// Bound on how far a step moves the points within `lever` of the centre, m.
+fn path_m(motion: &ContactMotion, dt: f64, lever: f64) -> f64 {
+    // the Cayley map turns by 2 atan(|w| dt / 2), less than |w| dt
+    let speed = motion.mean_velocity.norm() + motion.mean_angular_velocity.norm() * lever;
+    speed * dt * (1.0 + ROUNDING)
 }
 
 /// v and J from the middle of the step to its end, with the forces there. Returns the first row that is not finite.

@@ -34,6 +34,31 @@ impl FeatureKey {
         Self((3 << Self::KIND_SHIFT) | (edge_a << 15) | edge_b)
     }
 
+    /// A vertex of `a` on a face of `b` (both below 2^14), where a vertex may touch several faces.
+    pub const fn vertex_of_a_on_face(vertex: u32, face: u32) -> Self {
+        Self::vertex_of_a((vertex << 15) | face)
+    }
+
+    /// A vertex of `b` on a face of `a`.
+    pub const fn vertex_of_b_on_face(vertex: u32, face: u32) -> Self {
+        Self::vertex_of_b((vertex << 15) | face)
+    }
+
+    /// Two vertices (both below 2^14).
+    pub const fn vertices(vertex_a: u32, vertex_b: u32) -> Self {
+        Self((vertex_a << 14) | vertex_b)
+    }
+
+    /// A vertex of `a` at an edge of `b` (both below 2^14).
+    pub const fn vertex_of_a_at_edge(vertex: u32, edge: u32) -> Self {
+        Self((1 << 28) | (vertex << 14) | edge)
+    }
+
+    /// A vertex of `b` at an edge of `a`.
+    pub const fn vertex_of_b_at_edge(vertex: u32, edge: u32) -> Self {
+        Self((2 << 28) | (vertex << 14) | edge)
+    }
+
     /// The same pair of features when the parts change their roles.
     pub const fn swapped(self) -> Self {
         let payload = self.0 & ((1 << Self::KIND_SHIFT) - 1);

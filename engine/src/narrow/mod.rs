@@ -8,6 +8,7 @@ mod apart;
 mod clipping;
 mod closest;
 mod face_contact;
+pub mod features;
 pub mod generalized_overlap;
 mod manifold;
 mod polyhedron_polyhedron;
@@ -36,6 +37,7 @@ pub use wall::{part_cylinder, part_plane};
 
 use crate::math::{Similarity, Vec3};
 use crate::shape::{Part, PartGeometry};
+use features::{FeatureList, FeaturePair};
 
 /// A ball, as the functions of this module take it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +72,8 @@ pub enum PairKind {
     SpherocylinderPolyhedron,
     /// [`polyhedron_polyhedron`].
     PolyhedronPolyhedron,
+    /// [`FeaturePair`]: one or both are rounded polyhedra.
+    Features,
 }
 
 /// The kind of a pair, for batches, and whether its function takes the parts in the other order.
@@ -86,6 +90,7 @@ pub fn pair_kind(a: &PartGeometry, b: &PartGeometry) -> (PairKind, bool) {
         (P::Polyhedron(_), P::Sphere { .. }) => (K::SpherePolyhedron, true),
         (P::Polyhedron(_), P::Spherocylinder { .. }) => (K::SpherocylinderPolyhedron, true),
         (P::Polyhedron(_), P::Polyhedron(_)) => (K::PolyhedronPolyhedron, false),
+        (P::RoundedPolyhedron(_), _) | (_, P::RoundedPolyhedron(_)) => (K::Features, false),
     }
 }
 
@@ -102,6 +107,18 @@ pub fn collide(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCache, o
         out.flip_from(first);
     } else {
         collide_in_order(a, b, b_to_a, cache, out);
+    }
+}
+
+/// All pairs of features, without a list: for single questions, not for the step.
+fn feature_points(a: &Part, b: &Part, b_to_a: &Similarity, out: &mut Manifold) {
+    let (Some(a), Some(b)) = (&a.skeleton, &b.skeleton) else { return };
+    let pair = FeaturePair { a, b, b_to_a };
+    let mut list = FeatureList::default();
+    pair.all_candidates(&mut list);
+    for (feature, contact) in list.contacts(&pair) {
+        let features::FeatureContact { overlap, normal, position } = contact;
+        out.push_deepest(ManifoldPoint { position, normal, overlap, share: 1.0, feature });
     }
 }
 
@@ -127,6 +144,7 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCac
             spherocylinder_polyhedron(&capsule(ends, *radius), q, b_to_a, out);
         }
         (P::Polyhedron(p), P::Polyhedron(q)) => polyhedron_polyhedron((a, p), (b, q), b_to_a, cache, out),
+        (P::RoundedPolyhedron(_), _) | (_, P::RoundedPolyhedron(_)) => feature_points(a, b, b_to_a, out),
         _ => unreachable!("collide swaps the other orders"),
     }
 }

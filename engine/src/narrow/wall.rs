@@ -40,7 +40,8 @@ pub fn part_cylinder(part: &Part, body_to_wall: &Similarity, cylinder_radius: f6
     });
 }
 
-/// The points that reach farthest: the vertices of a polyhedron as balls of radius 0, the ends of a spherocylinder.
+/// The points that reach farthest: the vertices of a polyhedron as balls (of radius 0 if it is sharp), the ends of a
+/// spherocylinder.
 fn each_ball(part: &Part, to_wall: &Similarity, mut visit: impl FnMut(Vec3, f64, FeatureKey)) {
     match &part.geometry {
         PartGeometry::Sphere { center, radius } => {
@@ -54,6 +55,12 @@ fn each_ball(part: &Part, to_wall: &Similarity, mut visit: impl FnMut(Vec3, f64,
         PartGeometry::Polyhedron(p) => {
             for (v, vertex) in (0..).zip(p.vertices()) {
                 visit(to_wall.point(vertex), 0.0, FeatureKey::vertex_of_a(v));
+            }
+        }
+        PartGeometry::RoundedPolyhedron(p) => {
+            let radius = p.skeleton.radius * to_wall.scale;
+            for (v, vertex) in (0..).zip(p.skeleton.vertices()) {
+                visit(to_wall.point(vertex), radius, FeatureKey::vertex_of_a(v));
             }
         }
     }

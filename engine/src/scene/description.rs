@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GeneralizedOverlapSection, NormalLaw};
+use super::{CohesionDescription, DampingMass, GeneralizedOverlapSection, HertzSection, NormalLaw, SharingScope};
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;
 
@@ -95,6 +95,10 @@ pub enum Sharing {
     PerPoint,
     /// f_i = k d_i / N, N the number of touching points (Rakotonirina et al. 2019, model B).
     ModelB,
+    /// f_i = k d_i (the same, model A): the more points, the stiffer.
+    ModelA,
+    /// f_i = k d_max / N at every point (seed 000, eq. 3); to reproduce it only: energy is not conserved.
+    MaxOverlapShared,
 }
 
 /// When a damped contact ends.
@@ -115,6 +119,10 @@ pub enum Tangential {
     /// Spring with history, kept in the Coulomb cone.
     #[default]
     CoulombHistory,
+    /// Hertzian contacts without slip, kept in the Coulomb cone; needs `normal = "hertz"`.
+    Mindlin,
+    /// Dashpot with a Coulomb limit, without a spring and without static friction.
+    Viscous,
     /// No tangential force, and no history.
     None,
 }
@@ -127,8 +135,12 @@ pub struct ContactSection {
     pub normal: NormalLaw,
     /// Sharing over several points.
     pub sharing: Sharing,
+    /// Whose points share.
+    pub sharing_scope: SharingScope,
     /// End of contact.
     pub contact_end: ContactEnd,
+    /// Mass that the damping is calibrated for.
+    pub damping_mass: DampingMass,
     /// Tangential law.
     pub tangential: Tangential,
     /// Neighbour skin over the harmonic mean of the bounding diameters; chosen by the engine when absent.
@@ -139,6 +151,9 @@ pub struct ContactSection {
     /// Parameters of `normal = "generalized_overlap"`.
     #[serde(skip_serializing_if = "GeneralizedOverlapSection::is_default")]
     pub generalized_overlap: GeneralizedOverlapSection,
+    /// Parameters of `normal = "hertz"`.
+    #[serde(skip_serializing_if = "HertzSection::is_default")]
+    pub hertz: HertzSection,
 }
 
 impl Default for ContactSection {
@@ -146,7 +161,10 @@ impl Default for ContactSection {
         Self {
             normal: NormalLaw::default(),
             generalized_overlap: GeneralizedOverlapSection::default(),
+            hertz: HertzSection::default(),
+            damping_mass: DampingMass::default(),
             sharing: Sharing::default(),
+            sharing_scope: SharingScope::default(),
             contact_end: ContactEnd::default(),
             tangential: Tangential::default(),
             skin_fraction: None,
@@ -162,6 +180,8 @@ pub enum RotationScheme {
     /// Omelyan's revised leapfrog in the angular momentum.
     #[default]
     Omelyan,
+    /// Symmetric splitting into exact rotations about the principal axes: more accurate at small steps, worse at large.
+    Splitting,
 }
 
 /// `[integrator]`
@@ -170,6 +190,8 @@ pub enum RotationScheme {
 pub struct IntegratorSection {
     /// Scheme of the rotational motion.
     pub rotation: RotationScheme,
+    /// Local damping: part of the unbalanced force that acts against the motion, in [0, 1).
+    pub local_damping: f64,
 }
 
 /// `[[material]]`
@@ -181,6 +203,12 @@ pub struct MaterialDescription {
     /// Needed by materials of particles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density_kg_per_m3: Option<f64>,
+    /// Young's modulus, for `normal = "hertz"`; a material without it is rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub youngs_modulus_pa: Option<f64>,
+    /// Poisson's ratio, for `normal = "hertz"`; 0 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poissons_ratio: Option<f64>,
 }
 
 /// `[[material_pair]]`: linear spring, dashpot and Coulomb friction between two materials.
@@ -189,8 +217,9 @@ pub struct MaterialDescription {
 pub struct MaterialPairDescription {
     /// The two materials (may be the same).
     pub materials: [String; 2],
-    /// Normal stiffness of a single contact point.
-    pub stiffness_n_per_m: f64,
+    /// Normal stiffness of a single contact point; not with `normal = "hertz"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_per_m: Option<f64>,
     /// Coefficient of restitution in (0, 1]; give this or `damping_n_s_per_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution: Option<f64>,
@@ -206,6 +235,33 @@ pub struct MaterialPairDescription {
     /// Tangential over normal dashpot coefficient; the square root of the stiffness ratio when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tangential_damping_ratio: Option<f64>,
+    /// Raw tangential dashpot coefficient, for `tangential = "viscous"`; from the ratio when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tangential_damping_n_s_per_m: Option<f64>,
+    /// Largest rolling torque over effective radius times normal force.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling_friction: f64,
+    /// Largest twisting torque over effective radius times normal force.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub twisting_friction: f64,
+    /// Dashpot of rolling and twisting over the critical one.
+    #[serde(default = "default_rolling_damping_ratio", skip_serializing_if = "is_default_rolling_damping_ratio")]
+    pub rolling_damping_ratio: f64,
+    /// Attraction while in touch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion: Option<CohesionDescription>,
+}
+
+fn default_rolling_damping_ratio() -> f64 {
+    0.3
+}
+
+fn is_default_rolling_damping_ratio(ratio: &f64) -> bool {
+    *ratio == default_rolling_damping_ratio()
+}
+
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 fn default_tangential_stiffness_ratio() -> f64 {
@@ -275,6 +331,16 @@ pub enum AngularVelocity {
         /// Duration of the ramp.
         duration_s: f64,
     },
+    /// amplitude sin(2 pi frequency t + phase), t from the command on.
+    Oscillation {
+        /// Largest value.
+        amplitude_rad_per_s: f64,
+        /// Above 0.
+        frequency_hz: f64,
+        /// Phase at the start.
+        #[serde(default)]
+        phase_rad: f64,
+    },
 }
 
 /// Prescribed motion of a boundary.
@@ -297,6 +363,24 @@ pub enum MotionDescription {
     Translation {
         /// Velocity.
         velocity_m_per_s: [f64; 3],
+    },
+    /// Displacement amplitude (sin(2 pi frequency t + phase) - sin(phase)) from where it is at the command, t from then
+    /// on (vibrated bed).
+    Oscillation {
+        /// Along each axis.
+        amplitude_m: [f64; 3],
+        /// Above 0.
+        frequency_hz: f64,
+        /// Phase at the start.
+        #[serde(default)]
+        phase_rad: f64,
+    },
+    /// Displacement over time, linear between the rows, from where it is at the command; at rest after the last row.
+    Table {
+        /// Since the command: 0 first, then ascending.
+        times_s: Vec<f64>,
+        /// From where it was, (0, 0, 0) first.
+        displacements_m: Vec<[f64; 3]>,
     },
 }
 

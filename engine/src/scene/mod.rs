@@ -4,6 +4,7 @@ mod check;
 mod description;
 mod normal_law;
 mod plan;
+mod point_laws;
 mod validate;
 pub(crate) use validate::check_motion;
 
@@ -11,4 +12,7 @@ pub use check::SceneCheck;
 pub use description::*;
 pub use normal_law::{GeneralizedOverlapSection, NormalLaw, RoundedShapes};
 pub use plan::Plan;
+pub use point_laws::{
+    CohesionDescription, DampingMass, HertzSection, PairExtras, PointLaws, PointNormal, SharingScope,
+};
 pub use validate::Scene;

@@ -19,6 +19,8 @@ pub enum NormalLaw {
     /// Polyhedra are rounded and meet by a potential of the generalized overlap D; pairs with a sphere or a
     /// spherocylinder as with `linear`.
     GeneralizedOverlap,
+    /// Round parts after Hertz, from the elastic constants of the materials.
+    Hertz,
 }
 
 /// `[contact.generalized_overlap]`

@@ -1,6 +1,6 @@
 //! What a scene needs, and what is left out of every step because it does not.
 
-use super::{NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential};
+use super::{MaterialPairDescription, NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential, point_laws};
 use crate::broad::ShapeReach;
 use crate::contact::law::PairTable;
 
@@ -15,6 +15,8 @@ pub struct Plan {
     pub all_spheres: bool,
     /// The sphere batch has the laws of this scene.
     pub sphere_batch: bool,
+    /// Rolling and twisting springs are kept.
+    pub rolling: bool,
     /// By shape: orientation is integrated.
     pub rotates: Vec<bool>,
     /// By shape: what the broad phase needs.
@@ -27,15 +29,20 @@ pub struct Plan {
 const DEFAULT_SKIN_FRACTION: f64 = 0.08;
 
 impl Plan {
-    pub(super) fn new(description: &SceneDescription, reaches: Vec<ShapeReach>, pairs: &PairTable) -> Self {
-        let history = description.contact.tangential == Tangential::CoulombHistory && pairs.any_friction();
+    /// `sphere_batch`: contacts of spheres follow the plain law.
+    pub(super) fn new(
+        description: &SceneDescription,
+        reaches: Vec<ShapeReach>,
+        pairs: &PairTable,
+        sphere_batch: bool,
+    ) -> Self {
+        let history = matches!(description.contact.tangential, Tangential::CoulombHistory | Tangential::Mindlin)
+            && pairs.any_friction();
+        let turns = |pair: &MaterialPairDescription| pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0;
+        let rolling = description.material_pairs.iter().any(turns);
         let rotates: Vec<bool> = reaches.iter().map(|reach| !reach.is_sphere).collect();
         let skin_fraction = description.contact.skin_fraction.unwrap_or(DEFAULT_SKIN_FRACTION);
         let all_spheres = reaches.iter().all(|reach| reach.is_sphere);
-        // Without a wildcard: a new law is either written there or named here.
-        let sphere_batch = match (description.contact.normal, description.contact.tangential) {
-            (NormalLaw::Linear | NormalLaw::GeneralizedOverlap, Tangential::CoulombHistory | Tangential::None) => true,
-        };
         let mut lines = vec![
             format!(
                 "neighbours: hierarchical grid, skin {:.1} % of the harmonic mean of the bounding diameters",
@@ -49,19 +56,27 @@ impl Plan {
             match description.contact.sharing {
                 Sharing::PerPoint => "sharing of points: per_point".into(),
                 Sharing::ModelB => "sharing of points: model_b".to_string(),
+                Sharing::ModelA => "sharing of points: model_a".to_string(),
+                Sharing::MaxOverlapShared => "sharing of points: max_overlap_shared".to_string(),
             },
             normal_law(description),
-            if history {
-                "friction: Coulomb with history per contact feature".into()
-            } else {
-                "friction: none; no tangential history is kept".into()
+            match description.contact.tangential {
+                Tangential::Mindlin if history => "friction: Mindlin without slip, with history per contact".into(),
+                Tangential::Viscous if pairs.any_friction() => {
+                    "friction: viscous; no tangential history is kept".into()
+                }
+                _ if history => "friction: Coulomb with history per contact feature".into(),
+                _ => "friction: none; no tangential history is kept".into(),
             },
         ];
-        let RotationScheme::Omelyan = description.integrator.rotation;
+        lines.extend(point_laws::plan_lines(description));
         lines.push(if all_spheres {
             "rotation: angular velocity only; no orientation is integrated".into()
         } else {
-            "rotation: Omelyan's leapfrog".into()
+            match description.integrator.rotation {
+                RotationScheme::Omelyan => "rotation: Omelyan's leapfrog".into(),
+                RotationScheme::Splitting => "rotation: symmetric splitting about the principal axes".to_string(),
+            }
         });
         lines.push(if description.domain.periodic.contains(&true) {
             format!("periodic axes (x, y, z): {:?}", description.domain.periodic)
@@ -73,7 +88,7 @@ impl Plan {
             n => format!("boundaries: {n}"),
         });
         lines.push("fields: computed only while somebody subscribes or asks".into());
-        Self { lines, history, all_spheres, sphere_batch, rotates, reaches, skin_fraction }
+        Self { lines, history, rolling, all_spheres, sphere_batch, rotates, reaches, skin_fraction }
     }
 }
 
@@ -84,6 +99,7 @@ fn normal_law(description: &SceneDescription) -> String {
     let end = format!("contact end {:?}", contact.contact_end).to_lowercase();
     match contact.normal {
         NormalLaw::Linear => format!("normal law: linear spring and dashpot, {end}"),
+        NormalLaw::Hertz => format!("normal law: Hertz, {end}"),
         NormalLaw::GeneralizedOverlap => format!(
             "normal law: polyhedra by generalized overlap (p {}, rounded by {:.2e} of the inner diameter, exponent {}); linear spring and dashpot where a part is round; {end}",
             section.p, section.rounding_fraction, section.exponent

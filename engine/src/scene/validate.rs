@@ -1,6 +1,9 @@
 //! The only way to a [`Scene`]: afterwards the engine cannot fail to start.
 
-use super::{BoundaryGeometry, MaterialPairDescription, MotionDescription, Plan, RoundedShapes, SceneDescription};
+use super::{
+    BoundaryGeometry, MaterialPairDescription, MotionDescription, NormalLaw, Plan, PointLaws, RoundedShapes,
+    SceneDescription, point_laws,
+};
 use crate::boundary::Boundary;
 use crate::broad::ShapeReach;
 use crate::cell::Cell;
@@ -8,9 +11,10 @@ use crate::contact::law::{PairLaw, PairTable, damping_ratio, least_restitution};
 use crate::error::{InvalidInput, InvalidScene};
 use crate::insertion::{self, Surroundings};
 use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, rounded_critical_step};
+use crate::integrate::point_bounds;
 use crate::particles::NewParticle;
 use crate::scene::AngularVelocity;
-use crate::shape::Shape;
+use crate::shape::{MAX_FEATURES, Part, Shape};
 
 /// A scene that has been proved usable.
 #[derive(Clone, Debug)]
@@ -22,6 +26,7 @@ pub struct Scene {
     cell: Cell,
     plan: Plan,
     rounded: Option<RoundedShapes>,
+    point_laws: Option<PointLaws>,
     time_step_s: f64,
     particles: Vec<NewParticle>,
 }
@@ -87,18 +92,21 @@ impl Scene {
                     .ok()
             })
             .collect();
+        check_skeletons(&shapes, &mut problems);
         let pairs = build_pairs(&description, &mut problems);
         if !problems.0.is_empty() {
             return Err(InvalidScene(problems.0));
         }
+        problems.0.extend(point_laws::check_shapes(&description, &shapes));
         let rounded = RoundedShapes::build(&description, &shapes, &mut problems.0);
         if !problems.0.is_empty() {
             return Err(InvalidScene(problems.0));
         }
         let boundaries = build_boundaries(&description, &mut problems);
         let reaches = shapes.iter().map(ShapeReach::of).collect();
-        let plan = Plan::new(&description, reaches, &pairs);
         let cell = Cell::new(&description.domain);
+        let point_laws = PointLaws::build(&description, &shapes);
+        let plan = Plan::new(&description, reaches, &pairs, point_laws.is_none());
         let mut scene = Self {
             description,
             shapes,
@@ -106,6 +114,7 @@ impl Scene {
             boundaries,
             cell,
             plan,
+            point_laws,
             rounded,
             time_step_s: 0.0,
             particles: Vec::new(),
@@ -193,9 +202,16 @@ impl Scene {
     pub(crate) fn contact_bounds(&self, particles: &[NewParticle]) -> Option<ContactBounds> {
         let classes = if particles.is_empty() { self.possible_bodies() } else { self.lightest_bodies(particles) };
         let mut smallest: Option<ContactBounds> = None;
-        let mut consider = |law: Option<&PairLaw>, a: &Body, b: Option<&Body>| {
-            let Some(law) = law else { return };
-            let mut bounds = contact_bounds(law, a, b);
+        let tangential = self.description.contact.tangential;
+        let mut consider = |materials: [usize; 2], a: &Body, b: Option<&Body>| {
+            let Some(law) = self.pairs.get(materials[0], materials[1]) else { return };
+            let mut bounds = self.point_laws.as_ref().map_or_else(
+                || contact_bounds(law, a, b),
+                |laws| {
+                    let extras = laws.extras(materials[0] as u32, materials[1] as u32);
+                    point_bounds(laws, tangential, (law, extras), a, b)
+                },
+            );
             if let Some(rounded) = &self.rounded
                 && a.is_rounded
                 && b.is_none_or(|b| b.is_rounded)
@@ -210,18 +226,27 @@ impl Scene {
         };
         for (k, (material_a, a)) in classes.iter().enumerate() {
             for (material_b, b) in &classes[k..] {
-                consider(self.pairs.get(*material_a, *material_b), a, Some(b));
+                consider([*material_a, *material_b], a, Some(b));
             }
             for boundary in &self.boundaries {
-                consider(self.pairs.get(*material_a, boundary.material as usize), a, None);
+                consider([*material_a, boundary.material as usize], a, None);
             }
         }
         smallest
     }
 
-    fn body(&self, shape: usize, mass: f64) -> Body {
+    fn body(&self, shape: usize, mass: f64, scale: f64) -> Body {
         let is_rounded = self.rounded.as_ref().is_some_and(|rounded| rounded.has_core(shape));
-        Body { mass, leverage: self.shapes[shape].leverage(), is_rounded }
+        let shape = &self.shapes[shape];
+        let properties = shape.mass_properties();
+        Body {
+            mass,
+            leverage: shape.leverage(),
+            points: shape.parts().iter().map(Part::most_points).sum(),
+            radius: scale * shape.parts().iter().map(Part::contact_radius).fold(0.0, f64::max),
+            smallest_inertia: properties.principal_inertia.min() / properties.volume * mass * scale * scale,
+            is_rounded,
+        }
     }
 
     /// Each shape of each particle material, at unit scale.
@@ -231,7 +256,7 @@ impl Scene {
             let Some(density) = material.density_kg_per_m3 else { continue };
             for (s, shape) in self.shapes.iter().enumerate() {
                 let properties = shape.mass_properties();
-                bodies.push((m, self.body(s, properties.volume * density)));
+                bodies.push((m, self.body(s, properties.volume * density, 1.0)));
             }
         }
         bodies
@@ -247,7 +272,7 @@ impl Scene {
                 *class = Some(particle);
             }
         }
-        let body = |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass));
+        let body = |p: &NewParticle| (p.material as usize, self.body(p.shape as usize, p.mass, p.scale));
         lightest.into_iter().flatten().map(body).collect()
     }
 
@@ -345,6 +370,11 @@ impl Scene {
         self.rounded.as_ref()
     }
 
+    /// Laws of point contacts, where the scene names more than the plain one.
+    pub fn point_laws(&self) -> Option<&PointLaws> {
+        self.point_laws.as_ref()
+    }
+
     /// Time step, s.
     pub fn time_step_s(&self) -> f64 {
         self.time_step_s
@@ -377,6 +407,7 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
     let limit = contact.overlap_limit;
     problems.in_range("contact.overlap_limit", limit, "in (0, 2]", limit > 0.0 && limit <= 2.0);
     problems.0.extend(contact.generalized_overlap.check());
+    problems.0.extend(point_laws::check(description));
     if let Some(skin) = contact.skin_fraction {
         problems.in_range("contact.skin_fraction", skin, "in (0, 2]", skin > 0.0 && skin <= 2.0);
     }
@@ -423,6 +454,16 @@ fn material_index(description: &SceneDescription, name: &str, path: String, prob
     index
 }
 
+/// Whatever may meet a rounded polyhedron must have features that can be named.
+fn check_skeletons(shapes: &[Shape], problems: &mut Problems) {
+    let any_rounded = shapes.iter().flat_map(Shape::parts).any(|part| part.is_rounded_polyhedron());
+    let nameless = |shape: &Shape| shape.parts().iter().any(|part| part.skeleton.is_none());
+    for (k, _) in shapes.iter().enumerate().filter(|(_, shape)| any_rounded && nameless(shape)) {
+        let problem = format!("has more than {MAX_FEATURES} features, too many to meet a rounded polyhedron");
+        problems.add(format!("shape[{k}].geometry"), problem);
+    }
+}
+
 fn build_pairs(description: &SceneDescription, problems: &mut Problems) -> PairTable {
     let mut table = PairTable::new(description.materials.len());
     for (k, pair) in description.material_pairs.iter().enumerate() {
@@ -448,8 +489,10 @@ fn pair_law(
     problems: &mut Problems,
 ) -> Option<PairLaw> {
     let before = problems.0.len();
-    let k = pair.stiffness_n_per_m;
-    problems.in_range(&format!("{path}.stiffness_n_per_m"), k, "finite and above 0", k > 0.0);
+    let hertz = description.contact.normal == NormalLaw::Hertz;
+    // Hertz knows the stiffness of a load only; elsewhere its absence is refused already.
+    let k = pair.stiffness_n_per_m.unwrap_or(if hertz { 0.0 } else { 1.0 });
+    problems.in_range(&format!("{path}.stiffness_n_per_m"), k, "finite and above 0", k > 0.0 || hertz);
     let mu = pair.friction;
     problems.in_range(&format!("{path}.friction"), mu, "finite and at least 0", mu >= 0.0);
     let ratio = pair.tangential_stiffness_ratio;
@@ -534,20 +577,51 @@ pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(),
         MotionDescription::Rotation { point_m, axis, angular_velocity } => {
             problems.finite(&format!("{path}.point_m"), point_m);
             problems.direction(&format!("{path}.axis"), axis);
-            let inner = format!("{path}.angular_velocity");
-            match *angular_velocity {
-                AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]),
-                AngularVelocity::Ramp { rad_per_s, duration_s } => {
-                    problems.finite(&format!("{inner}.rad_per_s"), &[rad_per_s]);
-                    problems.in_range(
-                        &format!("{inner}.duration_s"),
-                        duration_s,
-                        "finite and above 0",
-                        duration_s > 0.0,
-                    );
-                }
-            }
+            check_angular_velocity(angular_velocity, &format!("{path}.angular_velocity"), &mut problems);
+        }
+        MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad } => {
+            problems.finite(&format!("{path}.amplitude_m"), amplitude_m);
+            check_wave(*frequency_hz, *phase_rad, path, &mut problems);
+        }
+        MotionDescription::Table { times_s, displacements_m } => {
+            check_table(times_s, displacements_m, path, &mut problems);
         }
     }
     problems.0.into_iter().next().map_or(Ok(()), Err)
+}
+
+fn check_angular_velocity(angular_velocity: &AngularVelocity, path: &str, problems: &mut Problems) {
+    match *angular_velocity {
+        AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]),
+        AngularVelocity::Ramp { rad_per_s, duration_s } => {
+            problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]);
+            problems.in_range(&format!("{path}.duration_s"), duration_s, "finite and above 0", duration_s > 0.0);
+        }
+        AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad } => {
+            problems.finite(&format!("{path}.amplitude_rad_per_s"), &[amplitude_rad_per_s]);
+            check_wave(frequency_hz, phase_rad, path, problems);
+        }
+    }
+}
+
+fn check_wave(frequency_hz: f64, phase_rad: f64, path: &str, problems: &mut Problems) {
+    problems.in_range(&format!("{path}.frequency_hz"), frequency_hz, "finite and above 0", frequency_hz > 0.0);
+    problems.finite(&format!("{path}.phase_rad"), &[phase_rad]);
+}
+
+fn check_table(times_s: &[f64], displacements_m: &[[f64; 3]], path: &str, problems: &mut Problems) {
+    problems.finite(&format!("{path}.times_s"), times_s);
+    for (k, displacement) in displacements_m.iter().enumerate() {
+        problems.finite(&format!("{path}.displacements_m[{k}]"), displacement);
+    }
+    if times_s.len() < 2 || times_s.len() != displacements_m.len() {
+        let (times, rows) = (times_s.len(), displacements_m.len());
+        let problem = format!("has {rows} rows for {times} times; needs two or more, as many as times_s");
+        problems.add(format!("{path}.displacements_m"), problem);
+    } else if times_s[0] != 0.0 || displacements_m[0] != [0.0; 3] {
+        problems.add(format!("{path}.times_s[0]"), "must be 0, with a displacement of (0, 0, 0)");
+    }
+    if let Some(k) = times_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        problems.add(format!("{path}.times_s[{}]", k + 1), "must be later than the time before");
+    }
 }

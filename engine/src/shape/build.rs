@@ -5,6 +5,7 @@ use super::error::ShapeError;
 use super::hull::{convex_hull, topology_error};
 use super::mass::Moments;
 use super::polyhedron::Polyhedron;
+use super::rounded_build::{check_mass_properties, given_mass, rounded_polyhedron};
 use super::union::{OrientedBox, aligned_boxes, lattice};
 use super::{Part, PartGeometry, solids};
 use crate::math::{Mat3, Quat, Similarity, Vec3};
@@ -23,8 +24,9 @@ pub(crate) struct Assembly {
 }
 
 pub(crate) fn assemble(description: &ShapeDescription) -> Result<Assembly, ShapeError> {
-    let mut parts = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
     let mut boxes = Vec::new();
+    let given = given_mass(description)?;
     for (p, path) in part_list(description)? {
         let (rotation, position) = pose(&p, &path)?;
         let field = if path.is_empty() { String::new() } else { format!("{path}.shape.") };
@@ -36,6 +38,10 @@ pub(crate) fn assemble(description: &ShapeDescription) -> Result<Assembly, Shape
             boxes.push(OrientedBox { half: solid.vertices()[7], center: position, rotation });
         }
     }
+    if let Some(moments) = given {
+        return Ok(Assembly { parts, moments, relative_error: 0.0 });
+    }
+    check_mass_properties(&parts)?;
     if disjoint(&parts) {
         let mut moments = Moments::zero();
         for p in &parts {
@@ -75,8 +81,10 @@ fn part_list(description: &ShapeDescription) -> Result<Vec<(PartDescription, Str
     match description {
         ShapeDescription::Cross2d { beam_length_m, beam_width_m } => beams(2, *beam_length_m, *beam_width_m),
         ShapeDescription::Cross3d { beam_length_m, beam_width_m } => beams(3, *beam_length_m, *beam_width_m),
-        ShapeDescription::Composite { parts } if parts.is_empty() => Err(ShapeError::NoParts { path: "parts".into() }),
-        ShapeDescription::Composite { parts } => {
+        ShapeDescription::Composite { parts, .. } if parts.is_empty() => {
+            Err(ShapeError::NoParts { path: "parts".into() })
+        }
+        ShapeDescription::Composite { parts, .. } => {
             Ok(parts.iter().enumerate().map(|(i, p)| (p.clone(), format!("parts[{i}]"))).collect())
         }
         convex => Ok(vec![(at_origin(convex.clone()), String::new())]),
@@ -106,6 +114,9 @@ fn place(geometry: &PartGeometry, rotation: &Mat3, position: &Vec3) -> PartGeome
             PartGeometry::Spherocylinder { ends: [to_given(&ends[0]), to_given(&ends[1])], radius: *radius }
         }
         PartGeometry::Polyhedron(p) => PartGeometry::Polyhedron(p.transformed(rotation, position)),
+        PartGeometry::RoundedPolyhedron(p) => {
+            PartGeometry::RoundedPolyhedron(Box::new(p.transformed(rotation, position)))
+        }
     }
 }
 
@@ -142,18 +153,24 @@ fn convex(description: &ShapeDescription, at: &str) -> Result<PartGeometry, Shap
             named(solids::pinacoid(l, g, h, ridge(l, h, *alpha_deg, at)?))
         }
         D::ConvexPolyhedron { vertices_m } => {
-            for (i, v) in vertices_m.iter().enumerate() {
-                for (k, &value) in v.iter().enumerate() {
-                    finite(&format!("{at}vertices_m[{i}][{k}]"), value)?;
-                }
-            }
-            let points: Vec<Vec3> = vertices_m.iter().map(|v| Vec3::from(*v)).collect();
+            let points = points(vertices_m, at)?;
             thick_enough(convex_hull(&points, &format!("{at}vertices_m"))?, &format!("{at}vertices_m"))
         }
+        D::RoundedPolyhedron { .. } => rounded_polyhedron(description, at),
         D::Cross2d { .. } | D::Cross3d { .. } | D::Composite { .. } => {
             Err(ShapeError::PartNotConvex { path: at.trim_end_matches('.').into(), kind: description.kind() })
         }
     }
+}
+
+/// Finite points.
+pub(super) fn points(vertices_m: &[[f64; 3]], at: &str) -> Result<Vec<Vec3>, ShapeError> {
+    for (i, v) in vertices_m.iter().enumerate() {
+        for (k, &value) in v.iter().enumerate() {
+            finite(&format!("{at}vertices_m[{i}][{k}]"), value)?;
+        }
+    }
+    Ok(vertices_m.iter().map(|v| Vec3::from(*v)).collect())
 }
 
 fn ridge(l: f64, h: f64, alpha_deg: f64, at: &str) -> Result<f64, ShapeError> {
@@ -175,7 +192,7 @@ fn polyhedron((vertices, loops): solids::Solid, at: &str) -> Result<PartGeometry
     thick_enough(solid, path)
 }
 
-fn thick_enough(solid: Polyhedron, path: &str) -> Result<PartGeometry, ShapeError> {
+pub(super) fn thick_enough(solid: Polyhedron, path: &str) -> Result<PartGeometry, ShapeError> {
     let size_m = solid.size();
     let part = Part::new(PartGeometry::Polyhedron(solid));
     let volume_m3 = Moments::of_part(&part).volume;
@@ -190,6 +207,12 @@ fn disjoint(parts: &[Part]) -> bool {
     let mut manifold = Manifold::default();
     for (i, a) in parts.iter().enumerate() {
         for b in &parts[i + 1..] {
+            if a.is_rounded_polyhedron() || b.is_rounded_polyhedron() {
+                if (b.center - a.center).norm() < a.radius + b.radius {
+                    return false;
+                }
+                continue;
+            }
             manifold.clear();
             collide(a, b, &Similarity::identity(), &mut PairCache::default(), &mut manifold);
             let limit = GLUED * a.radius.min(b.radius);
@@ -201,7 +224,7 @@ fn disjoint(parts: &[Part]) -> bool {
     true
 }
 
-fn positive(path: &str, value: f64) -> Result<f64, ShapeError> {
+pub(super) fn positive(path: &str, value: f64) -> Result<f64, ShapeError> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(ShapeError::NotPositive { path: path.into(), value }) }
 }
 

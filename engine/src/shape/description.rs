@@ -57,6 +57,23 @@ pub enum ShapeDescription {
         /// The points; inner ones and duplicates are dropped.
         vertices_m: Vec<[f64; 3]>,
     },
+    /// A polyhedron swept by a ball (Minkowski sum). Without edges and faces the convex hull of the points; with them
+    /// the skeleton as it stands, which need not be convex or closed.
+    RoundedPolyhedron {
+        /// Radius of the ball.
+        radius_m: f64,
+        /// Vertices of the skeleton.
+        vertices_m: Vec<[f64; 3]>,
+        /// Pairs of vertices; those of the faces when empty.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        edges: Vec<[u32; 2]>,
+        /// Convex polygons, as loops of vertices.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        faces: Vec<Vec<u32>>,
+        /// Computed from the shape when absent, which a skeleton that is not convex does not allow.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        mass_properties: Option<MassDescription>,
+    },
     /// Two square beams along x and y that share their centre.
     #[serde(rename = "cross_2d")]
     Cross2d {
@@ -77,7 +94,20 @@ pub enum ShapeDescription {
     Composite {
         /// The parts.
         parts: Vec<PartDescription>,
+        /// Computed from the parts when absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        mass_properties: Option<MassDescription>,
     },
+}
+
+/// Mass properties given instead of computed: the origin is the centre of mass, the axes are principal ones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MassDescription {
+    /// Volume; times the density it is the mass.
+    pub volume_m3: f64,
+    /// Principal moments of inertia over the mass.
+    pub inertia_over_mass_m2: [f64; 3],
 }
 
 /// One convex part of a composite.
@@ -99,6 +129,11 @@ fn identity_wxyz() -> [f64; 4] {
 }
 
 impl ShapeDescription {
+    /// The convex hull of points, swept by a ball.
+    pub fn rounded_hull(vertices_m: Vec<[f64; 3]>, radius_m: f64) -> Self {
+        Self::RoundedPolyhedron { radius_m, vertices_m, edges: Vec::new(), faces: Vec::new(), mass_properties: None }
+    }
+
     /// The value of `kind` in a scene file.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -110,6 +145,7 @@ impl ShapeDescription {
             Self::Octahedron { .. } => "octahedron",
             Self::Pinacoid { .. } => "pinacoid",
             Self::ConvexPolyhedron { .. } => "convex_polyhedron",
+            Self::RoundedPolyhedron { .. } => "rounded_polyhedron",
             Self::Cross2d { .. } => "cross_2d",
             Self::Cross3d { .. } => "cross_3d",
             Self::Composite { .. } => "composite",

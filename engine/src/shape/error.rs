@@ -135,6 +135,22 @@ pub enum ShapeError {
         /// The limit.
         most: usize,
     },
+    /// A skeleton whose features do not fit together.
+    #[error("{path}: {reason}")]
+    Skeleton {
+        /// Where.
+        path: String,
+        /// What does not fit.
+        reason: String,
+    },
+    /// A body whose mass properties cannot be computed, or were given where they have no use.
+    #[error("{path}: {reason}")]
+    Mass {
+        /// Where.
+        path: String,
+        /// What is missing or wrong.
+        reason: String,
+    },
     /// A composite without parts.
     #[error("{path} is empty: a composite needs at least one part")]
     NoParts {

@@ -31,6 +31,7 @@ impl Leverage {
                 PartGeometry::Sphere { center, radius } => (of_core(&[*center]), *radius),
                 PartGeometry::Spherocylinder { ends, radius } => (of_core(ends), *radius),
                 PartGeometry::Polyhedron(polyhedron) => (of_core(polyhedron.vertices()), 0.0),
+                PartGeometry::RoundedPolyhedron(p) => (of_core(p.skeleton.vertices()), p.skeleton.radius),
             };
             // Triangle inequality in the norm of I^-1, for the surface point core + radius.
             let surface = core.sqrt() + radius / inertia_over_mass.min().sqrt();

@@ -4,6 +4,7 @@
 //! their parts, unions of aligned boxes by their cells. What is left goes to the lattice of `lattice.rs`.
 
 use super::polyhedron::Polyhedron;
+use super::rounded_mass::swept_layer;
 use super::{Part, PartGeometry};
 use crate::math::{Mat3, Vec3};
 use std::f64::consts::PI;
@@ -63,13 +64,24 @@ impl Moments {
         Self::central(volume, second, &((low + high) * 0.5))
     }
 
-    /// Of a part, exactly.
+    /// Of a part, exactly; zero for a skeleton that is no convex solid.
     pub fn of_part(part: &Part) -> Self {
         match &part.geometry {
             PartGeometry::Sphere { center, radius } => sphere(center, *radius),
             PartGeometry::Spherocylinder { ends, radius } => spherocylinder(ends, *radius),
             PartGeometry::Polyhedron(p) => polyhedron(p),
+            PartGeometry::RoundedPolyhedron(p) => p.solid.as_ref().map_or_else(Self::zero, |solid| {
+                let mut moments = polyhedron(solid);
+                moments.add(&swept_layer(solid, p.skeleton.radius));
+                moments
+            }),
         }
+    }
+
+    /// Of a body about its centre of mass and principal axes.
+    pub fn given(volume: f64, inertia_over_mass: &Vec3) -> Self {
+        let second = inertia_over_mass.map(|i| 0.5 * inertia_over_mass.sum() - i) * volume;
+        Self { volume, first: Vec3::zeros(), second: Mat3::from_diagonal(&second) }
     }
 
     /// The same body about the origin of a frame whose axes are the columns of `rotation` and whose origin is `at`.

@@ -4,20 +4,27 @@ mod build;
 mod description;
 mod error;
 mod hull;
+mod import;
 mod inset;
 mod leverage;
 mod mass;
 mod polyhedron;
+mod rounded_build;
+mod rounded_mass;
+mod skeleton;
+mod skeleton_topology;
 mod solids;
 mod surface;
 mod union;
 
-pub use description::{PartDescription, ShapeDescription};
+pub use description::{MassDescription, PartDescription, ShapeDescription};
 pub use error::ShapeError;
+pub use import::{ImportError, ImportedShape, rockable_shapes};
 pub use leverage::Leverage;
 pub use mass::MassProperties;
 pub(crate) use polyhedron::Parallels;
 pub use polyhedron::{Edge, Face, MAX_EDGES, MAX_FACE_VERTICES, Polyhedron};
+pub use skeleton::{MAX_FEATURES, Side, Skeleton, SkeletonEdge, SkeletonFace};
 pub use surface::SurfaceMesh;
 
 #[cfg(test)]
@@ -44,6 +51,17 @@ pub struct Part {
     pub radius: f64,
     /// The surface.
     pub geometry: PartGeometry,
+    /// What meets a rounded polyhedron: the part as a skeleton swept by a ball. `None` if it has too many features.
+    pub skeleton: Option<Box<Skeleton>>,
+}
+
+/// A skeleton swept by a ball.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoundedPolyhedron {
+    /// Vertices, edges, faces and the radius.
+    pub skeleton: Skeleton,
+    /// The skeleton as a convex polyhedron, where it is one.
+    pub solid: Option<Polyhedron>,
 }
 
 /// The convex geometries that the narrow phase knows.
@@ -65,6 +83,8 @@ pub enum PartGeometry {
     },
     /// A convex polyhedron.
     Polyhedron(Polyhedron),
+    /// A polyhedron, convex or not, swept by a ball.
+    RoundedPolyhedron(Box<RoundedPolyhedron>),
 }
 
 impl Shape {
@@ -121,15 +141,20 @@ impl Part {
             PartGeometry::Spherocylinder { ends, radius } => {
                 ((ends[0] + ends[1]) * 0.5, 0.5 * (ends[1] - ends[0]).norm() + radius)
             }
-            PartGeometry::Polyhedron(p) => {
-                let first = p.vertices()[0];
-                let (low, high) = p.vertices().iter().fold((first, first), |(l, h), v| (l.inf(v), h.sup(v)));
-                let center = (low + high) * 0.5;
-                (center, p.vertices().iter().map(|v| (v - center).norm()).fold(0.0, f64::max))
+            PartGeometry::Polyhedron(p) => ball_around(p.vertices()),
+            PartGeometry::RoundedPolyhedron(p) => {
+                let (center, radius) = ball_around(p.skeleton.vertices());
+                (center, radius + p.skeleton.radius)
             }
         };
+        let skeleton = match &geometry {
+            PartGeometry::Sphere { center, radius } => Some(Skeleton::segment(&[*center], *radius)),
+            PartGeometry::Spherocylinder { ends, radius } => Some(Skeleton::segment(ends, *radius)),
+            PartGeometry::Polyhedron(p) => Skeleton::of_polyhedron(p, 0.0),
+            PartGeometry::RoundedPolyhedron(p) => Some(p.skeleton.clone()),
+        };
         // a little more than measured, so that rounding cannot leave a corner outside
-        Self { center, radius: radius * (1.0 + 1e-14), geometry }
+        Self { center, radius: radius * (1.0 + 1e-14), geometry, skeleton: skeleton.map(Box::new) }
     }
 
     fn transformed(&self, rotation: &Mat3, translation: &Vec3) -> Self {
@@ -142,7 +167,37 @@ impl Part {
                 PartGeometry::Spherocylinder { ends: [to_body(&ends[0]), to_body(&ends[1])], radius: *radius }
             }
             PartGeometry::Polyhedron(p) => PartGeometry::Polyhedron(p.transformed(rotation, translation)),
+            PartGeometry::RoundedPolyhedron(p) => {
+                PartGeometry::RoundedPolyhedron(Box::new(p.transformed(rotation, translation)))
+            }
         })
+    }
+
+    /// Radius of a round part, of the bounding sphere of a polyhedron.
+    pub(crate) fn contact_radius(&self) -> f64 {
+        match &self.geometry {
+            PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } => *radius,
+            PartGeometry::Polyhedron(_) | PartGeometry::RoundedPolyhedron(_) => self.radius,
+        }
+    }
+
+    /// Most points of a contact with a plane.
+    pub(crate) fn most_points(&self) -> u32 {
+        match &self.geometry {
+            PartGeometry::Sphere { .. } => 1,
+            PartGeometry::Spherocylinder { .. } => 2,
+            PartGeometry::Polyhedron(p) => {
+                (0..p.faces().len()).map(|face| p.face_vertices(face).len()).max().unwrap_or(1) as u32
+            }
+            PartGeometry::RoundedPolyhedron(p) => {
+                (0..p.skeleton.faces().len()).map(|face| p.skeleton.sides(face).len()).max().unwrap_or(1) as u32
+            }
+        }
+    }
+
+    /// Whether contacts of the part are those of its features.
+    pub fn is_rounded_polyhedron(&self) -> bool {
+        matches!(self.geometry, PartGeometry::RoundedPolyhedron(_))
     }
 
     /// Largest distance of a point of the part from the origin.
@@ -151,6 +206,24 @@ impl Part {
             PartGeometry::Sphere { center, radius } => center.norm() + radius,
             PartGeometry::Spherocylinder { ends, radius } => ends[0].norm().max(ends[1].norm()) + radius,
             PartGeometry::Polyhedron(p) => p.vertices().iter().map(|v| v.norm()).fold(0.0, f64::max),
+            PartGeometry::RoundedPolyhedron(p) => p.skeleton.reach + p.skeleton.radius,
         }
     }
+}
+
+impl RoundedPolyhedron {
+    /// The same body in another frame.
+    pub(crate) fn transformed(&self, rotation: &Mat3, translation: &Vec3) -> Self {
+        Self {
+            skeleton: self.skeleton.transformed(rotation, translation),
+            solid: self.solid.as_ref().map(|solid| solid.transformed(rotation, translation)),
+        }
+    }
+}
+
+/// Middle of the bounding box, and the distance of the farthest point from it.
+fn ball_around(points: &[Vec3]) -> (Vec3, f64) {
+    let (low, high) = points.iter().fold((points[0], points[0]), |(l, h), v| (l.inf(v), h.sup(v)));
+    let center = (low + high) * 0.5;
+    (center, points.iter().map(|v| (v - center).norm()).fold(0.0, f64::max))
 }

@@ -1,6 +1,6 @@
 //! Triangles for drawing.
 
-use super::{Part, PartGeometry};
+use super::{Part, PartGeometry, Skeleton};
 use crate::math::Vec3;
 use std::f64::consts::{PI, TAU};
 
@@ -25,6 +25,7 @@ impl SurfaceMesh {
             match &part.geometry {
                 PartGeometry::Sphere { center, radius } => mesh.add_capsule(&[*center, *center], *radius),
                 PartGeometry::Spherocylinder { ends, radius } => mesh.add_capsule(ends, *radius),
+                PartGeometry::RoundedPolyhedron(p) => mesh.add_skeleton(&p.skeleton),
                 PartGeometry::Polyhedron(p) => {
                     let base = mesh.vertices.len() as u32;
                     mesh.vertices.extend_from_slice(p.vertices());
@@ -36,6 +37,27 @@ impl SurfaceMesh {
             }
         }
         mesh
+    }
+
+    /// A capsule about each edge, and each face moved outwards to both sides by the radius.
+    fn add_skeleton(&mut self, skeleton: &Skeleton) {
+        for e in skeleton.edges() {
+            self.add_capsule(&[e.start, e.start + e.along], skeleton.radius);
+        }
+        for (face, polygon) in skeleton.faces().iter().zip(skeleton.loops()) {
+            for sense in [1.0, -1.0] {
+                if sense < 0.0 && skeleton.is_convex() {
+                    continue;
+                }
+                let base = self.vertices.len() as u32;
+                let shift = face.normal * (sense * skeleton.radius);
+                self.vertices.extend(polygon.iter().map(|&v| skeleton.vertices()[v as usize] + shift));
+                for k in 1..polygon.len() as u32 - 1 {
+                    let (p, q) = if sense > 0.0 { (k, k + 1) } else { (k + 1, k) };
+                    self.triangles.push([base, base + p, base + q]);
+                }
+            }
+        }
     }
 
     fn add_capsule(&mut self, ends: &[Vec3; 2], radius: f64) {

@@ -1,7 +1,7 @@
 //! Moments of overlapping composites: aligned boxes exactly, everything else on a refined lattice.
 
 use super::mass::Moments;
-use super::{Part, PartGeometry};
+use super::{Part, PartGeometry, Polyhedron};
 use crate::math::{Mat3, Vec3};
 
 /// A cuboid in the frame of the composite.
@@ -129,6 +129,11 @@ fn refine(parts: &[Part], middle: &Vec3, side: f64, halvings: u32, sums: &mut Su
     }
 }
 
+fn depth_in_core(solid: &Polyhedron, x: &Vec3) -> f64 {
+    let depth = solid.faces().iter().map(|f| f.offset - f.normal.dot(x)).fold(f64::MAX, f64::min);
+    if depth >= 0.0 { depth } else { -(x - crate::narrow::point_polyhedron(solid, x).0).norm() }
+}
+
 /// Distance to the surface when positive; when negative, at most the distance to the part with a minus sign.
 fn depth_inside(part: &Part, x: &Vec3) -> f64 {
     match &part.geometry {
@@ -137,5 +142,8 @@ fn depth_inside(part: &Part, x: &Vec3) -> f64 {
             radius - (x - crate::narrow::closest_on_segment(x, &ends[0], &ends[1]).0).norm()
         }
         PartGeometry::Polyhedron(p) => p.faces().iter().map(|f| f.offset - f.normal.dot(x)).fold(f64::MAX, f64::min),
+        PartGeometry::RoundedPolyhedron(p) => {
+            p.solid.as_ref().map_or(f64::MIN, |solid| p.skeleton.radius + depth_in_core(solid, x))
+        }
     }
 }

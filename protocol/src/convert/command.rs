@@ -169,6 +169,21 @@ pub fn motion_from_wire(request: &v1::SetMotionRequest) -> Result<MotionDescript
         Kind::Translation(translation) => Ok(MotionDescription::Translation {
             velocity_m_per_s: needed_vector(&translation.velocity_m_per_s, "motion.translation.velocity_m_per_s")?,
         }),
+        Kind::Oscillation(wave) => Ok(MotionDescription::Oscillation {
+            amplitude_m: needed_vector(&wave.amplitude_m, "motion.oscillation.amplitude_m")?,
+            frequency_hz: finite(wave.frequency_hz, "motion.oscillation.frequency_hz")?,
+            phase_rad: finite(wave.phase_rad, "motion.oscillation.phase_rad")?,
+        }),
+        Kind::Table(table) => {
+            let path = "motion.table.displacements_m";
+            for (k, &time) in table.times_s.iter().enumerate() {
+                finite(time, &format!("motion.table.times_s[{k}]"))?;
+            }
+            Ok(MotionDescription::Table {
+                times_s: table.times_s.clone(),
+                displacements_m: finite_rows(need(&table.displacements_m, path)?, path)?,
+            })
+        }
     }
 }
 
@@ -182,28 +197,48 @@ fn angular_velocity_from_wire(rotation: &v1::RotationMotion) -> Result<AngularVe
             rad_per_s: finite(ramp.rad_per_s, "motion.rotation.ramp.rad_per_s")?,
             duration_s: finite(ramp.duration_s, "motion.rotation.ramp.duration_s")?,
         }),
+        Wire::Oscillation(wave) => {
+            let path = "motion.rotation.oscillation";
+            Ok(AngularVelocity::Oscillation {
+                amplitude_rad_per_s: finite(wave.amplitude_rad_per_s, &format!("{path}.amplitude_rad_per_s"))?,
+                frequency_hz: finite(wave.frequency_hz, &format!("{path}.frequency_hz"))?,
+                phase_rad: finite(wave.phase_rad, &format!("{path}.phase_rad"))?,
+            })
+        }
+    }
+}
+
+fn angular_velocity_to_wire(angular_velocity: &AngularVelocity) -> v1::rotation_motion::AngularVelocity {
+    use v1::rotation_motion::AngularVelocity as Wire;
+    match *angular_velocity {
+        AngularVelocity::Constant { rad_per_s } => Wire::Constant(v1::ConstantAngularVelocity { rad_per_s }),
+        AngularVelocity::Ramp { rad_per_s, duration_s } => {
+            Wire::Ramp(v1::RampAngularVelocity { rad_per_s, duration_s })
+        }
+        AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad } => {
+            Wire::Oscillation(v1::OscillationAngularVelocity { amplitude_rad_per_s, frequency_hz, phase_rad })
+        }
     }
 }
 
 /// The same motion for the wire.
 pub fn motion_to_wire(motion: &MotionDescription) -> v1::Motion {
     use v1::motion::Kind;
-    use v1::rotation_motion::AngularVelocity as Wire;
     let kind = match motion {
         MotionDescription::Fixed => Kind::Fixed(v1::FixedMotion {}),
-        MotionDescription::Rotation { point_m, axis, angular_velocity } => {
-            let angular_velocity = match *angular_velocity {
-                AngularVelocity::Constant { rad_per_s } => Wire::Constant(v1::ConstantAngularVelocity { rad_per_s }),
-                AngularVelocity::Ramp { rad_per_s, duration_s } => {
-                    Wire::Ramp(v1::RampAngularVelocity { rad_per_s, duration_s })
-                }
-            };
-            Kind::Rotation(v1::RotationMotion {
-                point_m: Some(vec3(*point_m)),
-                axis: Some(vec3(*axis)),
-                angular_velocity: Some(angular_velocity),
-            })
+        MotionDescription::Rotation { point_m, axis, angular_velocity } => Kind::Rotation(v1::RotationMotion {
+            point_m: Some(vec3(*point_m)),
+            axis: Some(vec3(*axis)),
+            angular_velocity: Some(angular_velocity_to_wire(angular_velocity)),
+        }),
+        MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad } => {
+            let amplitude_m = Some(vec3(*amplitude_m));
+            Kind::Oscillation(v1::OscillationMotion { amplitude_m, frequency_hz: *frequency_hz, phase_rad: *phase_rad })
         }
+        MotionDescription::Table { times_s, displacements_m } => Kind::Table(v1::TableMotion {
+            times_s: times_s.clone(),
+            displacements_m: Some(columns::rows("displacements_m", "m", displacements_m)),
+        }),
         MotionDescription::Translation { velocity_m_per_s } => {
             Kind::Translation(v1::TranslationMotion { velocity_m_per_s: Some(vec3(*velocity_m_per_s)) })
         }

@@ -46,6 +46,7 @@ fn parameters(description: &ShapeDescription) -> Vec<(&'static str, f64)> {
         D::Cross2d { beam_length_m, beam_width_m } | D::Cross3d { beam_length_m, beam_width_m } => {
             vec![("beam_length_m", beam_length_m), ("beam_width_m", beam_width_m)]
         }
+        D::RoundedPolyhedron { radius_m, .. } => vec![("radius_m", radius_m)],
         D::ConvexPolyhedron { .. } | D::Composite { .. } => Vec::new(),
     }
 }

@@ -26,6 +26,7 @@ pub fn report_to_wire(report: &Report, mut header: v1::Header) -> v1::Report {
         internal_force_residual_n: report.internal_force_residual_n,
         largest_overlap_m: report.largest_overlap_m,
         largest_overlap_ratio: report.largest_overlap_ratio,
+        largest_overlap_over_rounding: report.largest_overlap_over_rounding,
         largest_overlap_ratio_so_far: report.largest_overlap_ratio_so_far,
         time_step_s: report.time_step_s,
         critical_time_step_s: report.critical_time_step_s,
@@ -54,6 +55,7 @@ fn warnings_to_wire(warnings: WarningCounts) -> v1::WarningCounts {
         rotation_not_converged: warnings.rotation_not_converged,
         large_overlap: warnings.large_overlap,
         fast_particle: warnings.fast_particle,
+        deep_rounding: warnings.deep_rounding,
     }
 }
 

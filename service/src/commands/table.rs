@@ -39,8 +39,8 @@ pub fn print(summary: &Summary) {
     line(
         "warnings",
         format!(
-            "rotation not converged {}, large overlap {}, fast particle {}",
-            warnings.rotation_not_converged, warnings.large_overlap, warnings.fast_particle
+            "rotation not converged {}, large overlap {}, fast particle {}, deep rounding {}",
+            warnings.rotation_not_converged, warnings.large_overlap, warnings.fast_particle, warnings.deep_rounding
         ),
     );
     println!("\nwhat");

@@ -80,6 +80,10 @@ pub struct Measurement {
     pub touching_boundary_pairs: u64,
     /// Contact points of both.
     pub contact_points: u64,
+    /// Of these smooth (and vertex-edge, vertex-vertex), vertex-face, edge-edge.
+    pub contact_points_by_kind: [u64; 3],
+    /// Pairs of particles, and contact points by kind, of the bed before the first step.
+    pub at_start: (u64, [u64; 3]),
     /// Median over the blocks.
     pub particle_steps_per_s: f64,
     /// Slowest and fastest block.
@@ -117,6 +121,7 @@ pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Me
     engine.set_threads(plan.threads);
     let sizes = snapshot(&engine).scales;
     ensure!(sizes == bed.scales, "the engine gives other sizes to the same seed and ids: raise the cache version");
+    let first = engine.report();
     steps(&mut engine, plan.warm_up)?;
     let before = engine.report();
     let mut rates = Vec::with_capacity(plan.blocks);
@@ -141,6 +146,8 @@ pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Me
         touching_pairs: report.touching_pairs,
         touching_boundary_pairs: report.touching_boundary_pairs,
         contact_points: report.contact_points,
+        contact_points_by_kind: report.contact_points_by_kind,
+        at_start: (first.touching_pairs, first.contact_points_by_kind),
         particle_steps_per_s: rate,
         particle_steps_per_s_range: [rates[0], rates[rates.len() - 1]],
         us_per_touching_pair: 1e6 * report.particles as f64 / rate / report.touching_pairs.max(1) as f64,

@@ -3,6 +3,7 @@
 //! `workload` says what is simulated, `settle` brings it to rest (kept by `cache`), `measure` times it.
 
 mod cache;
+mod given;
 mod measure;
 mod settle;
 mod workload;

@@ -6,6 +6,7 @@
 use sturz_engine::{Command, Engine};
 
 use super::cache::{self, Bed};
+use super::given;
 use super::workload::{GRAVITY, Softness, Workload};
 use crate::scene::steps;
 
@@ -17,6 +18,9 @@ const SOFT: f64 = 0.01;
 
 /// The workload at rest: from the cache, or settled now (and then kept). `say` gets a line per stage.
 pub fn settled(workload: &Workload, threads: usize, say: &mut dyn FnMut(String)) -> anyhow::Result<Bed> {
+    if workload.is_given {
+        return given::bed(workload.name);
+    }
     if let Some(bed) = cache::load(workload) {
         return Ok(bed);
     }

@@ -1,4 +1,4 @@
-//! The workloads W1 to W4: beds of spheres, cubes, pinacoids, crosses and spherocylinders.
+//! The workloads W1 to W4: beds of spheres, cubes, pinacoids, crosses and spherocylinders; rounded ones in `given`.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ pub const GRAVITY: f64 = 9.81;
 pub enum Size {
     /// As specified; what results are quoted for.
     Full,
-    /// A few dozen particles: for tests of the program itself.
+    /// A few dozen particles, but given beds whole: for tests of the program itself.
     Small,
 }
 
@@ -45,12 +45,18 @@ pub struct Workload {
     pub size_m: f64,
     /// Normal stiffness, N/m; the tangential one is 2/7 of it.
     pub stiffness: f64,
+    /// Coulomb coefficient between particles, and at walls.
+    pub friction: [f64; 2],
+    /// Tangential over normal stiffness.
+    pub tangential_stiffness_ratio: f64,
     /// Restitution.
     pub restitution: f64,
     /// Time step, s.
     pub time_step_s: f64,
     /// Solid fraction of the random insertion that the bed settles from.
     pub loose_fraction: f64,
+    /// Whether a relaxed bed comes with the program: [`super::given`].
+    pub is_given: bool,
 }
 
 /// Parameters that change while a bed settles.
@@ -71,7 +77,7 @@ impl Softness {
 
 impl Workload {
     /// Names on the command line.
-    pub const NAMES: [&str; 5] = ["W1", "W2-cubes", "W2-pinacoids", "W3", "W4"];
+    pub const NAMES: [&str; 8] = ["W1", "W2-cubes", "W2-pinacoids", "W2r", "R-octahedra", "W3", "W3r", "W4"];
 
     /// The workload of a name.
     pub fn named(name: &str, size: Size) -> anyhow::Result<Self> {
@@ -85,9 +91,12 @@ impl Workload {
             ),
             "W3" => crosses(),
             "W4" => spherocylinders(),
+            "W2r" => super::given::rounded_cubes(),
+            "R-octahedra" => super::given::octahedra(),
+            "W3r" => super::given::rounded_crosses(),
             _ => bail!("no workload '{name}'; there are {:?} and all", Self::NAMES),
         };
-        if size == Size::Small {
+        if size == Size::Small && !workload.is_given {
             // A sixteenth of the floor and a quarter of the height.
             workload.side_m /= 4.0;
             workload.count /= 64;
@@ -116,16 +125,18 @@ impl Workload {
             Some(fraction) => format!("time_step_fraction = {fraction:?}"),
             None => format!("time_step_s = {:?}", self.time_step_s),
         };
-        let law = format!(
-            "stiffness_n_per_m = {:?}\nrestitution = {:?}\nfriction = 0.5\ntangential_stiffness_ratio = {:?}",
-            self.stiffness * softness.stiffness,
-            softness.restitution.unwrap_or(self.restitution),
-            2.0 / 7.0
-        );
+        let law = |friction: f64| {
+            format!(
+                "stiffness_n_per_m = {:?}\nrestitution = {:?}\nfriction = {friction:?}\ntangential_stiffness_ratio = {:?}",
+                self.stiffness * softness.stiffness,
+                softness.restitution.unwrap_or(self.restitution),
+                self.tangential_stiffness_ratio
+            )
+        };
         let limit = if softness.stiffness < 1.0 { 2.0 } else { 0.3 };
         let scene = SceneText::new([0.0, 0.0, -GRAVITY], &time_step)
             .contact(&format!("contact_end = \"tension\"\noverlap_limit = {limit:?}"))
-            .materials(self.density, &law)
+            .materials_apart(self.density, &law(self.friction[0]), &law(self.friction[1]))
             .shape(&self.geometry)
             .floor();
         let side = self.side_m;
@@ -188,14 +199,17 @@ fn spheres() -> Workload {
         volume_m3: volume,
         size_m: d,
         stiffness,
+        friction: [0.5; 2],
+        tangential_stiffness_ratio: 2.0 / 7.0,
         restitution: (-0.6f64).exp(),
         time_step_s: duration / 50.0,
         loose_fraction: 0.25,
+        is_given: false,
     }
 }
 
 /// W2: 2,500 of a polyhedron of size 1 m in a box of 18 x 18 m.
-fn polyhedra(name: &'static str, geometry: &str, volume_m3: f64) -> Workload {
+pub(super) fn polyhedra(name: &'static str, geometry: &str, volume_m3: f64) -> Workload {
     Workload {
         name,
         geometry: geometry.to_owned(),
@@ -207,9 +221,12 @@ fn polyhedra(name: &'static str, geometry: &str, volume_m3: f64) -> Workload {
         volume_m3,
         size_m: 1.0,
         stiffness: 1.3e9,
+        friction: [0.5; 2],
+        tangential_stiffness_ratio: 2.0 / 7.0,
         restitution: 0.1,
         time_step_s: 4e-5,
         loose_fraction: 0.2 * volume_m3,
+        is_given: false,
     }
 }
 

@@ -10,7 +10,7 @@ use sturz_tests::bench::{Measurement, NormalLaw, Plan, Size, Workload, measure, 
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// W1, W2-cubes, W2-pinacoids, W3, W4 or all
+    /// W1, W2-cubes, W2-pinacoids, W2r, R-octahedra, W3, W3r, W4 or all
     workload: String,
     /// Physics threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -108,5 +108,10 @@ fn print_row(m: &Measurement) {
         .iter()
         .map(|(stage, share)| format!("{stage} {:.0} %", 100.0 * share.as_f64().unwrap_or(f64::NAN)))
         .collect();
+    let (pairs, [smooth, face, edge]) = m.at_start;
+    println!(
+        "{:17} at start {pairs} pairs, points: {face} vertex-face, {edge} edge-edge, {smooth} others; at the end {:?}",
+        "", m.contact_points_by_kind
+    );
     println!("{:17} {}; residual {:.1e} m g size per particle", "", shares.join(", "), m.energy_residual_per_mgd);
 }

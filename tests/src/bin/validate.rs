@@ -19,6 +19,9 @@ struct Arguments {
     /// Write the comparisons here, as an array
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Folder of reference data that is not part of the repository; `../shared/oracles` beside it when absent
+    #[arg(long)]
+    data: Option<PathBuf>,
     /// Print failures only
     #[arg(long)]
     quiet: bool,
@@ -33,10 +36,11 @@ fn main() -> anyhow::Result<ExitCode> {
             .for_each(|case| println!("{:6} {}{}", case.id, case.title, if case.fast { "" } else { " (slow)" }));
         return Ok(ExitCode::SUCCESS);
     }
+    let data = arguments.data.unwrap_or_else(Case::default_data);
     let mut rows = Vec::new();
     for case in cases {
         println!("{} {}", case.id, case.title);
-        let own = case.rows();
+        let own = case.rows_with(&data);
         own.iter().filter(|row| !arguments.quiet || !row.pass).for_each(print_row);
         rows.extend(own);
     }

@@ -1,9 +1,14 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod degenerate;
+mod glued;
+mod hertz;
 mod impact;
 mod periodic;
+mod r518;
 mod refusals;
+mod resistance;
+mod restitution;
 mod rotation;
 mod rounded;
 mod rounded_pose;
@@ -12,6 +17,7 @@ mod size_ratio;
 mod sliding;
 mod stability;
 
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
@@ -46,9 +52,15 @@ pub struct Checks {
     rows: Vec<Row>,
     since: Instant,
     particle_steps: u64,
+    data: PathBuf,
 }
 
 impl Checks {
+    /// Folder of reference data that the repository does not hold.
+    pub fn data(&self) -> &Path {
+        &self.data
+    }
+
     /// Does `n` steps, which are counted.
     pub fn steps(&mut self, engine: &mut Engine, n: u64) -> anyhow::Result<()> {
         self.particle_steps += n * engine.len() as u64;
@@ -115,9 +127,20 @@ impl Case {
         Self { id, title, fast: false, run }
     }
 
-    /// Runs the case. A case that cannot be run ends with a row that fails and says why.
+    /// Runs the case with the reference data in its usual place.
     pub fn rows(&self) -> Vec<Row> {
-        let mut checks = Checks { id: self.id, rows: Vec::new(), since: Instant::now(), particle_steps: 0 };
+        self.rows_with(&Self::default_data())
+    }
+
+    /// `../shared/oracles`, seen from the root of the repository.
+    pub fn default_data() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/oracles")
+    }
+
+    /// Runs the case. A case that cannot be run ends with a row that fails and says why.
+    pub fn rows_with(&self, data: &Path) -> Vec<Row> {
+        let (since, data) = (Instant::now(), data.to_owned());
+        let mut checks = Checks { id: self.id, rows: Vec::new(), since, particle_steps: 0, data };
         if let Err(error) = (self.run)(&mut checks) {
             checks.holds(format!("ran to its end ({error})"), false);
         }
@@ -131,6 +154,10 @@ pub fn registry() -> Vec<Case> {
         shapes::cases(),
         rotation::cases(),
         impact::cases(),
+        restitution::cases(),
+        hertz::cases(),
+        glued::cases(),
+        resistance::cases(),
         sliding::cases(),
         stability::cases(),
         degenerate::cases(),
@@ -138,6 +165,7 @@ pub fn registry() -> Vec<Case> {
         refusals::cases(),
         size_ratio::cases(),
         rounded::cases(),
+        r518::cases(),
     ]
     .into_iter()
     .flatten()

@@ -64,7 +64,12 @@ fn free_body(geometry: &str, spin: [f64; 3], time_step_s: f64) -> SceneText {
 }
 
 fn spun(checks: &mut Checks, n: u64) -> anyhow::Result<End> {
-    let mut engine = free_body(PLATE, SPIN, TIME_S / n as f64).start()?;
+    spun_by("omelyan", checks, n)
+}
+
+fn spun_by(scheme: &str, checks: &mut Checks, n: u64) -> anyhow::Result<End> {
+    let scheme = format!("[integrator]\nrotation = \"{scheme}\"");
+    let mut engine = free_body(PLATE, SPIN, TIME_S / n as f64).section(&scheme).start()?;
     checks.steps(&mut engine, n)?;
     let Snapshot { orientations, angular_velocities, .. } = snapshot(&engine);
     Ok(End { angular_velocity: into_body(orientations[0], angular_velocities[0]), attitude: orientations[0] })
@@ -143,9 +148,21 @@ fn attitude_work_precision(checks: &mut Checks) -> anyhow::Result<()> {
             checks.near(format!("order at {n} steps"), (last / error).log2(), 2.0, 0.05, "-");
         }
     }
-    let (n, start) = (100_000, std::time::Instant::now());
-    spun(checks, n)?;
-    checks.vanishes("wall time of a free step of a lone body", start.elapsed().as_secs_f64() / n as f64, 1e-4, "s");
+    splitting_work_precision(checks, &own)
+}
+
+/// WP1 with the symmetric splitting: order 2.00 +- 0.05, and the error 33 times below Omelyan's at the same step
+/// (PHYSICS.md D; between 25 and 45 is asked for, since the ratio is quoted to two digits at one step).
+fn splitting_work_precision(checks: &mut Checks, own: &End) -> anyhow::Result<()> {
+    let mut last: Option<f64> = None;
+    for n in [400, 800, 1600, 3200] {
+        let error = angle(spun_by("splitting", checks, n)?.attitude, own.attitude);
+        let ratio = angle(spun(checks, n)?.attitude, own.attitude) / error;
+        checks.near(format!("Omelyan's error over that of splitting, {n} steps"), ratio, 35.0, 10.0, "-");
+        if let Some(last) = last.replace(error) {
+            checks.near(format!("splitting: order at {n} steps"), (last / error).log2(), 2.0, 0.05, "-");
+        }
+    }
     Ok(())
 }
 

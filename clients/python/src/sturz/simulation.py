@@ -499,6 +499,52 @@ class Simulation:
         translation = pb.TranslationMotion(velocity_m_per_s=wire.vec3("velocity_m_per_s", velocity_m_per_s))
         self._set_motion(boundary, pb.Motion(translation=translation))
 
+    def set_oscillation(
+        self, *, boundary: str, amplitude_m: ArrayLike, frequency_hz: float, phase_rad: float = 0.0
+    ) -> None:
+        """Moves a boundary to and fro from where it is: amplitude (sin(2 pi frequency t + phase) - sin(phase)).
+
+        Args:
+            boundary: name in the scene.
+            amplitude_m: along each axis, (3,), m.
+            frequency_hz: above 0.
+            phase_rad: at the start.
+        """
+        amplitude = wire.vec3("amplitude_m", amplitude_m)
+        wave = pb.OscillationMotion(amplitude_m=amplitude, frequency_hz=frequency_hz, phase_rad=phase_rad)
+        self._set_motion(boundary, pb.Motion(oscillation=wave))
+
+    def set_rotation_oscillation(
+        self,
+        *,
+        boundary: str,
+        point_m: ArrayLike,
+        axis: ArrayLike,
+        amplitude_rad_per_s: float,
+        frequency_hz: float,
+        phase_rad: float = 0.0,
+    ) -> None:
+        """Swings a boundary about an axis at the angular velocity amplitude sin(2 pi frequency t + phase)."""
+        rotation = pb.RotationMotion(point_m=wire.vec3("point_m", point_m), axis=wire.vec3("axis", axis))
+        rotation.oscillation.amplitude_rad_per_s = amplitude_rad_per_s
+        rotation.oscillation.frequency_hz = frequency_hz
+        rotation.oscillation.phase_rad = phase_rad
+        self._set_motion(boundary, pb.Motion(rotation=rotation))
+
+    def set_table(self, *, boundary: str, times_s: ArrayLike, displacements_m: ArrayLike) -> None:
+        """Moves a boundary by a table, linear between its rows; at rest after the last one.
+
+        Args:
+            boundary: name in the scene.
+            times_s: since now, (n,), s: 0 first, then ascending.
+            displacements_m: from where it is, (n, 3), m: (0, 0, 0) first.
+        """
+        table = pb.TableMotion(
+            times_s=np.asarray(times_s, dtype=np.float64).ravel().tolist(),
+            displacements_m=wire.encode("displacements_m", displacements_m, components=3, unit="m"),
+        )
+        self._set_motion(boundary, pb.Motion(table=table))
+
     def set_fixed(self, *, boundary: str) -> None:
         """Lets a boundary rest."""
         self._set_motion(boundary, pb.Motion(fixed=pb.FixedMotion()))

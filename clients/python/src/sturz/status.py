@@ -289,11 +289,13 @@ class Warnings:
         rotation_not_converged: rotation steps whose implicit equation kept an error: reduce the time step.
         large_overlap: steps with an overlap above a tenth of the smaller bounding radius: raise the stiffness.
         fast_particle: steps in which one moved by more than a tenth of its bounding radius: reduce the time step.
+        deep_rounding: steps with a generalized overlap above 1.5 rounding radii (refused at 2): raise the stiffness.
     """
 
     rotation_not_converged: int
     large_overlap: int
     fast_particle: int
+    deep_rounding: int
 
 
 @dataclass(frozen=True)
@@ -335,6 +337,7 @@ class Report:
         largest_overlap_m: now.
         largest_overlap_ratio: over the smaller bounding radius, now.
         largest_overlap_ratio_so_far: since the start.
+        largest_overlap_over_rounding: generalized overlap over the rounding radius, now; 0 with other laws.
         time_step_s: in use.
         critical_time_step_s: largest stable one of a single contact.
         contact_duration_s: shortest one of two particles present.
@@ -364,6 +367,7 @@ class Report:
     largest_overlap_m: float
     largest_overlap_ratio: float
     largest_overlap_ratio_so_far: float
+    largest_overlap_over_rounding: float
     time_step_s: float
     critical_time_step_s: float
     contact_duration_s: float

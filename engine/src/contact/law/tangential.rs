@@ -11,9 +11,32 @@ pub struct TangentialForce {
     pub spring: Vec3,
 }
 
+/// What the tangential laws read of one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slide {
+    /// Tangential stiffness, N/m.
+    pub stiffness: f64,
+    /// Tangential dashpot, N s/m.
+    pub damping: f64,
+    /// mu f_n, N.
+    pub limit: f64,
+    /// Of the last step, m.
+    pub spring: Vec3,
+    /// From `a` to `b`.
+    pub normal: Vec3,
+    /// Tangential displacement of `a` against `b` over the step, m.
+    pub stretch: Vec3,
+    /// Tangential velocity of `a` against `b` now, m/s.
+    pub velocity: Vec3,
+    /// m
+    pub overlap: f64,
+    /// Overlap of the last step, m.
+    pub former_overlap: f64,
+}
+
 /// Turns the spring of the last step into the present tangent plane, keeping its length.
 #[inline(always)]
-fn carried(spring: &Vec3, normal: &Vec3) -> Vec3 {
+pub(super) fn carried(spring: &Vec3, normal: &Vec3) -> Vec3 {
     let length2 = spring.norm_squared();
     let in_plane = spring - normal * spring.dot(normal);
     let in_plane2 = in_plane.norm_squared();

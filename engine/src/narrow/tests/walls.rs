@@ -14,6 +14,7 @@ fn surface_points(part: &Part) -> Vec<Vec3> {
         PartGeometry::Polyhedron(p) => p.vertices().to_vec(),
         PartGeometry::Sphere { center, radius } => sample(&[*center], *radius),
         PartGeometry::Spherocylinder { ends, radius } => sample(ends, *radius),
+        PartGeometry::RoundedPolyhedron(p) => sample(p.skeleton.vertices(), p.skeleton.radius),
     }
 }
 

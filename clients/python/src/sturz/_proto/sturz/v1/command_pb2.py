@@ -15,17 +15,17 @@ _sym_db = _symbol_database.Default()
 from . import data_pb2 as sturz_dot_v1_dot_data__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16sturz/v1/command.proto\x12\x08sturz.v1\x1a\x13sturz/v1/data.proto\"\\\n\rCommandHeader\x12\x11\n\tclient_id\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x16\n\tat_time_s\x18\x03 \x01(\x01H\x00\x88\x01\x01\x42\x0c\n\n_at_time_s\"&\n\nScaleRange\x12\x0b\n\x03min\x18\x01 \x01(\x01\x12\x0b\n\x03max\x18\x02 \x01(\x01\"\xf0\x02\n\rInsertRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\r\n\x05shape\x18\x02 \x01(\t\x12\x10\n\x08material\x18\x03 \x01(\t\x12)\n\x05poses\x18\x04 \x01(\x0b\x32\x18.sturz.v1.PosesPlacementH\x00\x12-\n\x07lattice\x18\x05 \x01(\x0b\x32\x1a.sturz.v1.LatticePlacementH\x00\x12+\n\x06random\x18\x06 \x01(\x0b\x32\x19.sturz.v1.RandomPlacementH\x00\x12(\n\x10velocity_m_per_s\x18\x07 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x32\n\x1a\x61ngular_velocity_rad_per_s\x18\x08 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12#\n\x05scale\x18\t \x01(\x0b\x32\x14.sturz.v1.ScaleRangeB\x0b\n\tplacement\"d\n\x0ePosesPlacement\x12%\n\x0bpositions_m\x18\x01 \x01(\x0b\x32\x10.sturz.v1.Column\x12+\n\x11orientations_wxyz\x18\x02 \x01(\x0b\x32\x10.sturz.v1.Column\"\xa6\x01\n\x10LatticePlacement\x12 \n\x08origin_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12!\n\tspacing_m\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x0f\n\x07\x63ount_x\x18\x03 \x01(\r\x12\x0f\n\x07\x63ount_y\x18\x04 \x01(\r\x12\x0f\n\x07\x63ount_z\x18\x05 \x01(\r\x12\x1a\n\x12random_orientation\x18\x06 \x01(\x08\"\xe1\x01\n\x0fRandomPlacement\x12\"\n\x03\x62ox\x18\x01 \x01(\x0b\x32\x13.sturz.v1.BoxRegionH\x00\x12,\n\x08\x63ylinder\x18\x02 \x01(\x0b\x32\x18.sturz.v1.CylinderRegionH\x00\x12\x0f\n\x05\x63ount\x18\x03 \x01(\rH\x01\x12\x18\n\x0esolid_fraction\x18\x04 \x01(\x01H\x01\x12\x19\n\x11\x66ixed_orientation\x18\x05 \x01(\x08\x12\x15\n\x08\x61ttempts\x18\x06 \x01(\rH\x02\x88\x01\x01\x42\x08\n\x06regionB\x08\n\x06\x61mountB\x0b\n\t_attempts\"I\n\tBoxRegion\x12\x1d\n\x05min_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x1d\n\x05max_m\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\"s\n\x0e\x43ylinderRegion\x12\x1f\n\x07point_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x1c\n\x04\x61xis\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x10\n\x08radius_m\x18\x03 \x01(\x01\x12\x10\n\x08length_m\x18\x04 \x01(\x01\"E\n\rRemoveRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x0b\n\x03ids\x18\x02 \x03(\x04\"f\n\x11SetGravityRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12(\n\x10gravity_m_per_s2\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\"o\n\x10SetMotionRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x10\n\x08\x62oundary\x18\x02 \x01(\t\x12 \n\x06motion\x18\x03 \x01(\x0b\x32\x10.sturz.v1.Motion\"\x9a\x01\n\x06Motion\x12&\n\x05\x66ixed\x18\x01 \x01(\x0b\x32\x15.sturz.v1.FixedMotionH\x00\x12,\n\x08rotation\x18\x02 \x01(\x0b\x32\x18.sturz.v1.RotationMotionH\x00\x12\x32\n\x0btranslation\x18\x03 \x01(\x0b\x32\x1b.sturz.v1.TranslationMotionH\x00\x42\x06\n\x04kind\"\r\n\x0b\x46ixedMotion\"\xc9\x01\n\x0eRotationMotion\x12\x1f\n\x07point_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x1c\n\x04\x61xis\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x35\n\x08\x63onstant\x18\x03 \x01(\x0b\x32!.sturz.v1.ConstantAngularVelocityH\x00\x12-\n\x04ramp\x18\x04 \x01(\x0b\x32\x1d.sturz.v1.RampAngularVelocityH\x00\x42\x12\n\x10\x61ngular_velocity\",\n\x17\x43onstantAngularVelocity\x12\x11\n\trad_per_s\x18\x01 \x01(\x01\"<\n\x13RampAngularVelocity\x12\x11\n\trad_per_s\x18\x01 \x01(\x01\x12\x12\n\nduration_s\x18\x02 \x01(\x01\"=\n\x11TranslationMotion\x12(\n\x10velocity_m_per_s\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\"7\n\x0cPauseRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\"8\n\rResumeRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\"E\n\x0bStepRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\r\n\x05steps\x18\x02 \x01(\x04\"\xa3\x01\n\x0e\x41\x64vanceRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x15\n\x0b\x66rom_time_s\x18\x02 \x01(\x01H\x00\x12\x13\n\tfrom_step\x18\x03 \x01(\x04H\x00\x12\x10\n\x08window_s\x18\x04 \x01(\x01\x12\"\n\x07outputs\x18\x05 \x01(\x0b\x32\x11.sturz.v1.OutputsB\x06\n\x04\x66rom\"R\n\x07Outputs\x12\x0f\n\x07\x63olumns\x18\x01 \x03(\t\x12\x0e\n\x06\x66ields\x18\x02 \x03(\t\x12&\n\nfloat_type\x18\x03 \x01(\x0e\x32\x12.sturz.v1.DataType\"g\n\x12\x44\x65\x66ineFieldRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12(\n\x05\x66ield\x18\x02 \x01(\x0b\x32\x19.sturz.v1.FieldDefinition\"I\n\x10\x44ropFieldRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x0c\n\x04name\x18\x02 \x01(\t\"6\n\x0bStopRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\"\xe3\x02\n\x07Outcome\x12\x11\n\tclient_id\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0f\n\x07\x63ommand\x18\x03 \x01(\t\x12\x0c\n\x04step\x18\x04 \x01(\x04\x12\x12\n\nsim_time_s\x18\x05 \x01(\x01\x12\x10\n\x08repeated\x18\x06 \x01(\x08\x12 \n\x05\x65rror\x18\x07 \x01(\x0b\x32\x0f.sturz.v1.ErrorH\x00\x12$\n\x07\x61pplied\x18\x08 \x01(\x0b\x32\x11.sturz.v1.AppliedH\x00\x12&\n\x08inserted\x18\t \x01(\x0b\x32\x12.sturz.v1.InsertedH\x00\x12$\n\x07removed\x18\n \x01(\x0b\x32\x11.sturz.v1.RemovedH\x00\x12$\n\x07stepped\x18\x0b \x01(\x0b\x32\x11.sturz.v1.SteppedH\x00\x12&\n\x08\x61\x64vanced\x18\x0c \x01(\x0b\x32\x12.sturz.v1.AdvancedH\x00\x42\x08\n\x06result\"\t\n\x07\x41pplied\"+\n\x08Inserted\x12\x10\n\x08\x66irst_id\x18\x01 \x01(\x04\x12\r\n\x05\x63ount\x18\x02 \x01(\x04\"\x18\n\x07Removed\x12\r\n\x05\x63ount\x18\x01 \x01(\x04\"n\n\x07Stepped\x12\x12\n\nsteps_done\x18\x01 \x01(\x04\x12\x0c\n\x04step\x18\x02 \x01(\x04\x12\x16\n\x0etime_reached_s\x18\x03 \x01(\x01\x12)\n\x0bstop_reason\x18\x04 \x01(\x0e\x32\x14.sturz.v1.StopReason\"\xcb\x01\n\x08\x41\x64vanced\x12\x16\n\x0etime_reached_s\x18\x01 \x01(\x01\x12\x0c\n\x04step\x18\x02 \x01(\x04\x12\x12\n\nsteps_done\x18\x03 \x01(\x04\x12\x14\n\x0cwindow_steps\x18\x04 \x01(\x04\x12)\n\x0bstop_reason\x18\x05 \x01(\x0e\x32\x14.sturz.v1.StopReason\x12\x1e\n\x05\x66rame\x18\x06 \x01(\x0b\x32\x0f.sturz.v1.Frame\x12$\n\x06\x66ields\x18\x07 \x03(\x0b\x32\x14.sturz.v1.FieldFrame\"I\n\x05\x45rror\x12!\n\x04\x63ode\x18\x01 \x01(\x0e\x32\x13.sturz.v1.ErrorCode\x12\x0c\n\x04path\x18\x02 \x01(\t\x12\x0f\n\x07message\x18\x03 \x01(\t*t\n\nStopReason\x12\x1b\n\x17STOP_REASON_UNSPECIFIED\x10\x00\x12\x18\n\x14STOP_REASON_COMPLETE\x10\x01\x12\x16\n\x12STOP_REASON_PAUSED\x10\x02\x12\x17\n\x13STOP_REASON_STOPPED\x10\x03*\xf0\x02\n\tErrorCode\x12\x1a\n\x16\x45RROR_CODE_UNSPECIFIED\x10\x00\x12\x1a\n\x16\x45RROR_CODE_UNDECODABLE\x10\x01\x12\x1c\n\x18\x45RROR_CODE_INVALID_INPUT\x10\x02\x12\x18\n\x14\x45RROR_CODE_TOO_LARGE\x10\x03\x12\x13\n\x0f\x45RROR_CODE_BUSY\x10\x04\x12\x19\n\x15\x45RROR_CODE_NOT_PAUSED\x10\x05\x12\x1f\n\x1b\x45RROR_CODE_WINDOW_IN_FLIGHT\x10\x06\x12\x19\n\x15\x45RROR_CODE_WRONG_TIME\x10\x07\x12 \n\x1c\x45RROR_CODE_REQUEST_ID_REUSED\x10\x08\x12\x18\n\x14\x45RROR_CODE_NOT_FOUND\x10\t\x12\x19\n\x15\x45RROR_CODE_RUN_FAILED\x10\n\x12\x17\n\x13\x45RROR_CODE_STOPPING\x10\x0b\x12\x17\n\x13\x45RROR_CODE_INTERNAL\x10\x0c\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16sturz/v1/command.proto\x12\x08sturz.v1\x1a\x13sturz/v1/data.proto\"\\\n\rCommandHeader\x12\x11\n\tclient_id\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x16\n\tat_time_s\x18\x03 \x01(\x01H\x00\x88\x01\x01\x42\x0c\n\n_at_time_s\"&\n\nScaleRange\x12\x0b\n\x03min\x18\x01 \x01(\x01\x12\x0b\n\x03max\x18\x02 \x01(\x01\"\xf0\x02\n\rInsertRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\r\n\x05shape\x18\x02 \x01(\t\x12\x10\n\x08material\x18\x03 \x01(\t\x12)\n\x05poses\x18\x04 \x01(\x0b\x32\x18.sturz.v1.PosesPlacementH\x00\x12-\n\x07lattice\x18\x05 \x01(\x0b\x32\x1a.sturz.v1.LatticePlacementH\x00\x12+\n\x06random\x18\x06 \x01(\x0b\x32\x19.sturz.v1.RandomPlacementH\x00\x12(\n\x10velocity_m_per_s\x18\x07 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x32\n\x1a\x61ngular_velocity_rad_per_s\x18\x08 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12#\n\x05scale\x18\t \x01(\x0b\x32\x14.sturz.v1.ScaleRangeB\x0b\n\tplacement\"d\n\x0ePosesPlacement\x12%\n\x0bpositions_m\x18\x01 \x01(\x0b\x32\x10.sturz.v1.Column\x12+\n\x11orientations_wxyz\x18\x02 \x01(\x0b\x32\x10.sturz.v1.Column\"\xa6\x01\n\x10LatticePlacement\x12 \n\x08origin_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12!\n\tspacing_m\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x0f\n\x07\x63ount_x\x18\x03 \x01(\r\x12\x0f\n\x07\x63ount_y\x18\x04 \x01(\r\x12\x0f\n\x07\x63ount_z\x18\x05 \x01(\r\x12\x1a\n\x12random_orientation\x18\x06 \x01(\x08\"\xe1\x01\n\x0fRandomPlacement\x12\"\n\x03\x62ox\x18\x01 \x01(\x0b\x32\x13.sturz.v1.BoxRegionH\x00\x12,\n\x08\x63ylinder\x18\x02 \x01(\x0b\x32\x18.sturz.v1.CylinderRegionH\x00\x12\x0f\n\x05\x63ount\x18\x03 \x01(\rH\x01\x12\x18\n\x0esolid_fraction\x18\x04 \x01(\x01H\x01\x12\x19\n\x11\x66ixed_orientation\x18\x05 \x01(\x08\x12\x15\n\x08\x61ttempts\x18\x06 \x01(\rH\x02\x88\x01\x01\x42\x08\n\x06regionB\x08\n\x06\x61mountB\x0b\n\t_attempts\"I\n\tBoxRegion\x12\x1d\n\x05min_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x1d\n\x05max_m\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\"s\n\x0e\x43ylinderRegion\x12\x1f\n\x07point_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x1c\n\x04\x61xis\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x10\n\x08radius_m\x18\x03 \x01(\x01\x12\x10\n\x08length_m\x18\x04 \x01(\x01\"E\n\rRemoveRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x0b\n\x03ids\x18\x02 \x03(\x04\"f\n\x11SetGravityRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12(\n\x10gravity_m_per_s2\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\"o\n\x10SetMotionRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x10\n\x08\x62oundary\x18\x02 \x01(\t\x12 \n\x06motion\x18\x03 \x01(\x0b\x32\x10.sturz.v1.Motion\"\xf6\x01\n\x06Motion\x12&\n\x05\x66ixed\x18\x01 \x01(\x0b\x32\x15.sturz.v1.FixedMotionH\x00\x12,\n\x08rotation\x18\x02 \x01(\x0b\x32\x18.sturz.v1.RotationMotionH\x00\x12\x32\n\x0btranslation\x18\x03 \x01(\x0b\x32\x1b.sturz.v1.TranslationMotionH\x00\x12\x32\n\x0boscillation\x18\x04 \x01(\x0b\x32\x1b.sturz.v1.OscillationMotionH\x00\x12&\n\x05table\x18\x05 \x01(\x0b\x32\x15.sturz.v1.TableMotionH\x00\x42\x06\n\x04kind\"\r\n\x0b\x46ixedMotion\"\x86\x02\n\x0eRotationMotion\x12\x1f\n\x07point_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x1c\n\x04\x61xis\x18\x02 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x35\n\x08\x63onstant\x18\x03 \x01(\x0b\x32!.sturz.v1.ConstantAngularVelocityH\x00\x12-\n\x04ramp\x18\x04 \x01(\x0b\x32\x1d.sturz.v1.RampAngularVelocityH\x00\x12;\n\x0boscillation\x18\x05 \x01(\x0b\x32$.sturz.v1.OscillationAngularVelocityH\x00\x42\x12\n\x10\x61ngular_velocity\",\n\x17\x43onstantAngularVelocity\x12\x11\n\trad_per_s\x18\x01 \x01(\x01\"<\n\x13RampAngularVelocity\x12\x11\n\trad_per_s\x18\x01 \x01(\x01\x12\x12\n\nduration_s\x18\x02 \x01(\x01\"b\n\x1aOscillationAngularVelocity\x12\x1b\n\x13\x61mplitude_rad_per_s\x18\x01 \x01(\x01\x12\x14\n\x0c\x66requency_hz\x18\x02 \x01(\x01\x12\x11\n\tphase_rad\x18\x03 \x01(\x01\"a\n\x11OscillationMotion\x12#\n\x0b\x61mplitude_m\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\x12\x14\n\x0c\x66requency_hz\x18\x02 \x01(\x01\x12\x11\n\tphase_rad\x18\x03 \x01(\x01\"I\n\x0bTableMotion\x12\x0f\n\x07times_s\x18\x01 \x03(\x01\x12)\n\x0f\x64isplacements_m\x18\x02 \x01(\x0b\x32\x10.sturz.v1.Column\"=\n\x11TranslationMotion\x12(\n\x10velocity_m_per_s\x18\x01 \x01(\x0b\x32\x0e.sturz.v1.Vec3\"7\n\x0cPauseRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\"8\n\rResumeRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\"E\n\x0bStepRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\r\n\x05steps\x18\x02 \x01(\x04\"\xa3\x01\n\x0e\x41\x64vanceRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x15\n\x0b\x66rom_time_s\x18\x02 \x01(\x01H\x00\x12\x13\n\tfrom_step\x18\x03 \x01(\x04H\x00\x12\x10\n\x08window_s\x18\x04 \x01(\x01\x12\"\n\x07outputs\x18\x05 \x01(\x0b\x32\x11.sturz.v1.OutputsB\x06\n\x04\x66rom\"R\n\x07Outputs\x12\x0f\n\x07\x63olumns\x18\x01 \x03(\t\x12\x0e\n\x06\x66ields\x18\x02 \x03(\t\x12&\n\nfloat_type\x18\x03 \x01(\x0e\x32\x12.sturz.v1.DataType\"g\n\x12\x44\x65\x66ineFieldRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12(\n\x05\x66ield\x18\x02 \x01(\x0b\x32\x19.sturz.v1.FieldDefinition\"I\n\x10\x44ropFieldRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\x12\x0c\n\x04name\x18\x02 \x01(\t\"6\n\x0bStopRequest\x12\'\n\x06header\x18\x01 \x01(\x0b\x32\x17.sturz.v1.CommandHeader\"\xe3\x02\n\x07Outcome\x12\x11\n\tclient_id\x18\x01 \x01(\t\x12\x12\n\nrequest_id\x18\x02 \x01(\t\x12\x0f\n\x07\x63ommand\x18\x03 \x01(\t\x12\x0c\n\x04step\x18\x04 \x01(\x04\x12\x12\n\nsim_time_s\x18\x05 \x01(\x01\x12\x10\n\x08repeated\x18\x06 \x01(\x08\x12 \n\x05\x65rror\x18\x07 \x01(\x0b\x32\x0f.sturz.v1.ErrorH\x00\x12$\n\x07\x61pplied\x18\x08 \x01(\x0b\x32\x11.sturz.v1.AppliedH\x00\x12&\n\x08inserted\x18\t \x01(\x0b\x32\x12.sturz.v1.InsertedH\x00\x12$\n\x07removed\x18\n \x01(\x0b\x32\x11.sturz.v1.RemovedH\x00\x12$\n\x07stepped\x18\x0b \x01(\x0b\x32\x11.sturz.v1.SteppedH\x00\x12&\n\x08\x61\x64vanced\x18\x0c \x01(\x0b\x32\x12.sturz.v1.AdvancedH\x00\x42\x08\n\x06result\"\t\n\x07\x41pplied\"+\n\x08Inserted\x12\x10\n\x08\x66irst_id\x18\x01 \x01(\x04\x12\r\n\x05\x63ount\x18\x02 \x01(\x04\"\x18\n\x07Removed\x12\r\n\x05\x63ount\x18\x01 \x01(\x04\"n\n\x07Stepped\x12\x12\n\nsteps_done\x18\x01 \x01(\x04\x12\x0c\n\x04step\x18\x02 \x01(\x04\x12\x16\n\x0etime_reached_s\x18\x03 \x01(\x01\x12)\n\x0bstop_reason\x18\x04 \x01(\x0e\x32\x14.sturz.v1.StopReason\"\xcb\x01\n\x08\x41\x64vanced\x12\x16\n\x0etime_reached_s\x18\x01 \x01(\x01\x12\x0c\n\x04step\x18\x02 \x01(\x04\x12\x12\n\nsteps_done\x18\x03 \x01(\x04\x12\x14\n\x0cwindow_steps\x18\x04 \x01(\x04\x12)\n\x0bstop_reason\x18\x05 \x01(\x0e\x32\x14.sturz.v1.StopReason\x12\x1e\n\x05\x66rame\x18\x06 \x01(\x0b\x32\x0f.sturz.v1.Frame\x12$\n\x06\x66ields\x18\x07 \x03(\x0b\x32\x14.sturz.v1.FieldFrame\"I\n\x05\x45rror\x12!\n\x04\x63ode\x18\x01 \x01(\x0e\x32\x13.sturz.v1.ErrorCode\x12\x0c\n\x04path\x18\x02 \x01(\t\x12\x0f\n\x07message\x18\x03 \x01(\t*t\n\nStopReason\x12\x1b\n\x17STOP_REASON_UNSPECIFIED\x10\x00\x12\x18\n\x14STOP_REASON_COMPLETE\x10\x01\x12\x16\n\x12STOP_REASON_PAUSED\x10\x02\x12\x17\n\x13STOP_REASON_STOPPED\x10\x03*\xf0\x02\n\tErrorCode\x12\x1a\n\x16\x45RROR_CODE_UNSPECIFIED\x10\x00\x12\x1a\n\x16\x45RROR_CODE_UNDECODABLE\x10\x01\x12\x1c\n\x18\x45RROR_CODE_INVALID_INPUT\x10\x02\x12\x18\n\x14\x45RROR_CODE_TOO_LARGE\x10\x03\x12\x13\n\x0f\x45RROR_CODE_BUSY\x10\x04\x12\x19\n\x15\x45RROR_CODE_NOT_PAUSED\x10\x05\x12\x1f\n\x1b\x45RROR_CODE_WINDOW_IN_FLIGHT\x10\x06\x12\x19\n\x15\x45RROR_CODE_WRONG_TIME\x10\x07\x12 \n\x1c\x45RROR_CODE_REQUEST_ID_REUSED\x10\x08\x12\x18\n\x14\x45RROR_CODE_NOT_FOUND\x10\t\x12\x19\n\x15\x45RROR_CODE_RUN_FAILED\x10\n\x12\x17\n\x13\x45RROR_CODE_STOPPING\x10\x0b\x12\x17\n\x13\x45RROR_CODE_INTERNAL\x10\x0c\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'sturz.v1.command_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_STOPREASON']._serialized_start=3593
-  _globals['_STOPREASON']._serialized_end=3709
-  _globals['_ERRORCODE']._serialized_start=3712
-  _globals['_ERRORCODE']._serialized_end=4080
+  _globals['_STOPREASON']._serialized_start=4020
+  _globals['_STOPREASON']._serialized_end=4136
+  _globals['_ERRORCODE']._serialized_start=4139
+  _globals['_ERRORCODE']._serialized_end=4507
   _globals['_COMMANDHEADER']._serialized_start=57
   _globals['_COMMANDHEADER']._serialized_end=149
   _globals['_SCALERANGE']._serialized_start=151
@@ -49,45 +49,51 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_SETMOTIONREQUEST']._serialized_start=1428
   _globals['_SETMOTIONREQUEST']._serialized_end=1539
   _globals['_MOTION']._serialized_start=1542
-  _globals['_MOTION']._serialized_end=1696
-  _globals['_FIXEDMOTION']._serialized_start=1698
-  _globals['_FIXEDMOTION']._serialized_end=1711
-  _globals['_ROTATIONMOTION']._serialized_start=1714
-  _globals['_ROTATIONMOTION']._serialized_end=1915
-  _globals['_CONSTANTANGULARVELOCITY']._serialized_start=1917
-  _globals['_CONSTANTANGULARVELOCITY']._serialized_end=1961
-  _globals['_RAMPANGULARVELOCITY']._serialized_start=1963
-  _globals['_RAMPANGULARVELOCITY']._serialized_end=2023
-  _globals['_TRANSLATIONMOTION']._serialized_start=2025
-  _globals['_TRANSLATIONMOTION']._serialized_end=2086
-  _globals['_PAUSEREQUEST']._serialized_start=2088
-  _globals['_PAUSEREQUEST']._serialized_end=2143
-  _globals['_RESUMEREQUEST']._serialized_start=2145
-  _globals['_RESUMEREQUEST']._serialized_end=2201
-  _globals['_STEPREQUEST']._serialized_start=2203
-  _globals['_STEPREQUEST']._serialized_end=2272
-  _globals['_ADVANCEREQUEST']._serialized_start=2275
-  _globals['_ADVANCEREQUEST']._serialized_end=2438
-  _globals['_OUTPUTS']._serialized_start=2440
-  _globals['_OUTPUTS']._serialized_end=2522
-  _globals['_DEFINEFIELDREQUEST']._serialized_start=2524
-  _globals['_DEFINEFIELDREQUEST']._serialized_end=2627
-  _globals['_DROPFIELDREQUEST']._serialized_start=2629
-  _globals['_DROPFIELDREQUEST']._serialized_end=2702
-  _globals['_STOPREQUEST']._serialized_start=2704
-  _globals['_STOPREQUEST']._serialized_end=2758
-  _globals['_OUTCOME']._serialized_start=2761
-  _globals['_OUTCOME']._serialized_end=3116
-  _globals['_APPLIED']._serialized_start=3118
-  _globals['_APPLIED']._serialized_end=3127
-  _globals['_INSERTED']._serialized_start=3129
-  _globals['_INSERTED']._serialized_end=3172
-  _globals['_REMOVED']._serialized_start=3174
-  _globals['_REMOVED']._serialized_end=3198
-  _globals['_STEPPED']._serialized_start=3200
-  _globals['_STEPPED']._serialized_end=3310
-  _globals['_ADVANCED']._serialized_start=3313
-  _globals['_ADVANCED']._serialized_end=3516
-  _globals['_ERROR']._serialized_start=3518
-  _globals['_ERROR']._serialized_end=3591
+  _globals['_MOTION']._serialized_end=1788
+  _globals['_FIXEDMOTION']._serialized_start=1790
+  _globals['_FIXEDMOTION']._serialized_end=1803
+  _globals['_ROTATIONMOTION']._serialized_start=1806
+  _globals['_ROTATIONMOTION']._serialized_end=2068
+  _globals['_CONSTANTANGULARVELOCITY']._serialized_start=2070
+  _globals['_CONSTANTANGULARVELOCITY']._serialized_end=2114
+  _globals['_RAMPANGULARVELOCITY']._serialized_start=2116
+  _globals['_RAMPANGULARVELOCITY']._serialized_end=2176
+  _globals['_OSCILLATIONANGULARVELOCITY']._serialized_start=2178
+  _globals['_OSCILLATIONANGULARVELOCITY']._serialized_end=2276
+  _globals['_OSCILLATIONMOTION']._serialized_start=2278
+  _globals['_OSCILLATIONMOTION']._serialized_end=2375
+  _globals['_TABLEMOTION']._serialized_start=2377
+  _globals['_TABLEMOTION']._serialized_end=2450
+  _globals['_TRANSLATIONMOTION']._serialized_start=2452
+  _globals['_TRANSLATIONMOTION']._serialized_end=2513
+  _globals['_PAUSEREQUEST']._serialized_start=2515
+  _globals['_PAUSEREQUEST']._serialized_end=2570
+  _globals['_RESUMEREQUEST']._serialized_start=2572
+  _globals['_RESUMEREQUEST']._serialized_end=2628
+  _globals['_STEPREQUEST']._serialized_start=2630
+  _globals['_STEPREQUEST']._serialized_end=2699
+  _globals['_ADVANCEREQUEST']._serialized_start=2702
+  _globals['_ADVANCEREQUEST']._serialized_end=2865
+  _globals['_OUTPUTS']._serialized_start=2867
+  _globals['_OUTPUTS']._serialized_end=2949
+  _globals['_DEFINEFIELDREQUEST']._serialized_start=2951
+  _globals['_DEFINEFIELDREQUEST']._serialized_end=3054
+  _globals['_DROPFIELDREQUEST']._serialized_start=3056
+  _globals['_DROPFIELDREQUEST']._serialized_end=3129
+  _globals['_STOPREQUEST']._serialized_start=3131
+  _globals['_STOPREQUEST']._serialized_end=3185
+  _globals['_OUTCOME']._serialized_start=3188
+  _globals['_OUTCOME']._serialized_end=3543
+  _globals['_APPLIED']._serialized_start=3545
+  _globals['_APPLIED']._serialized_end=3554
+  _globals['_INSERTED']._serialized_start=3556
+  _globals['_INSERTED']._serialized_end=3599
+  _globals['_REMOVED']._serialized_start=3601
+  _globals['_REMOVED']._serialized_end=3625
+  _globals['_STEPPED']._serialized_start=3627
+  _globals['_STEPPED']._serialized_end=3737
+  _globals['_ADVANCED']._serialized_start=3740
+  _globals['_ADVANCED']._serialized_end=3943
+  _globals['_ERROR']._serialized_start=3945
+  _globals['_ERROR']._serialized_end=4018
 # @@protoc_insertion_point(module_scope)

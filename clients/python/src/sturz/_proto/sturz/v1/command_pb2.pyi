@@ -174,30 +174,36 @@ class SetMotionRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., boundary: _Optional[str] = ..., motion: _Optional[_Union[Motion, _Mapping]] = ...) -> None: ...
 
 class Motion(_message.Message):
-    __slots__ = ("fixed", "rotation", "translation")
+    __slots__ = ("fixed", "rotation", "translation", "oscillation", "table")
     FIXED_FIELD_NUMBER: _ClassVar[int]
     ROTATION_FIELD_NUMBER: _ClassVar[int]
     TRANSLATION_FIELD_NUMBER: _ClassVar[int]
+    OSCILLATION_FIELD_NUMBER: _ClassVar[int]
+    TABLE_FIELD_NUMBER: _ClassVar[int]
     fixed: FixedMotion
     rotation: RotationMotion
     translation: TranslationMotion
-    def __init__(self, fixed: _Optional[_Union[FixedMotion, _Mapping]] = ..., rotation: _Optional[_Union[RotationMotion, _Mapping]] = ..., translation: _Optional[_Union[TranslationMotion, _Mapping]] = ...) -> None: ...
+    oscillation: OscillationMotion
+    table: TableMotion
+    def __init__(self, fixed: _Optional[_Union[FixedMotion, _Mapping]] = ..., rotation: _Optional[_Union[RotationMotion, _Mapping]] = ..., translation: _Optional[_Union[TranslationMotion, _Mapping]] = ..., oscillation: _Optional[_Union[OscillationMotion, _Mapping]] = ..., table: _Optional[_Union[TableMotion, _Mapping]] = ...) -> None: ...
 
 class FixedMotion(_message.Message):
     __slots__ = ()
     def __init__(self) -> None: ...
 
 class RotationMotion(_message.Message):
-    __slots__ = ("point_m", "axis", "constant", "ramp")
+    __slots__ = ("point_m", "axis", "constant", "ramp", "oscillation")
     POINT_M_FIELD_NUMBER: _ClassVar[int]
     AXIS_FIELD_NUMBER: _ClassVar[int]
     CONSTANT_FIELD_NUMBER: _ClassVar[int]
     RAMP_FIELD_NUMBER: _ClassVar[int]
+    OSCILLATION_FIELD_NUMBER: _ClassVar[int]
     point_m: _data_pb2.Vec3
     axis: _data_pb2.Vec3
     constant: ConstantAngularVelocity
     ramp: RampAngularVelocity
-    def __init__(self, point_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., axis: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., constant: _Optional[_Union[ConstantAngularVelocity, _Mapping]] = ..., ramp: _Optional[_Union[RampAngularVelocity, _Mapping]] = ...) -> None: ...
+    oscillation: OscillationAngularVelocity
+    def __init__(self, point_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., axis: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., constant: _Optional[_Union[ConstantAngularVelocity, _Mapping]] = ..., ramp: _Optional[_Union[RampAngularVelocity, _Mapping]] = ..., oscillation: _Optional[_Union[OscillationAngularVelocity, _Mapping]] = ...) -> None: ...
 
 class ConstantAngularVelocity(_message.Message):
     __slots__ = ("rad_per_s",)
@@ -212,6 +218,34 @@ class RampAngularVelocity(_message.Message):
     rad_per_s: float
     duration_s: float
     def __init__(self, rad_per_s: _Optional[float] = ..., duration_s: _Optional[float] = ...) -> None: ...
+
+class OscillationAngularVelocity(_message.Message):
+    __slots__ = ("amplitude_rad_per_s", "frequency_hz", "phase_rad")
+    AMPLITUDE_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    FREQUENCY_HZ_FIELD_NUMBER: _ClassVar[int]
+    PHASE_RAD_FIELD_NUMBER: _ClassVar[int]
+    amplitude_rad_per_s: float
+    frequency_hz: float
+    phase_rad: float
+    def __init__(self, amplitude_rad_per_s: _Optional[float] = ..., frequency_hz: _Optional[float] = ..., phase_rad: _Optional[float] = ...) -> None: ...
+
+class OscillationMotion(_message.Message):
+    __slots__ = ("amplitude_m", "frequency_hz", "phase_rad")
+    AMPLITUDE_M_FIELD_NUMBER: _ClassVar[int]
+    FREQUENCY_HZ_FIELD_NUMBER: _ClassVar[int]
+    PHASE_RAD_FIELD_NUMBER: _ClassVar[int]
+    amplitude_m: _data_pb2.Vec3
+    frequency_hz: float
+    phase_rad: float
+    def __init__(self, amplitude_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., frequency_hz: _Optional[float] = ..., phase_rad: _Optional[float] = ...) -> None: ...
+
+class TableMotion(_message.Message):
+    __slots__ = ("times_s", "displacements_m")
+    TIMES_S_FIELD_NUMBER: _ClassVar[int]
+    DISPLACEMENTS_M_FIELD_NUMBER: _ClassVar[int]
+    times_s: _containers.RepeatedScalarFieldContainer[float]
+    displacements_m: _data_pb2.Column
+    def __init__(self, times_s: _Optional[_Iterable[float]] = ..., displacements_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ...) -> None: ...
 
 class TranslationMotion(_message.Message):
     __slots__ = ("velocity_m_per_s",)

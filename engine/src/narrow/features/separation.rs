@@ -1,0 +1,78 @@
+//! How far face normals and the line of centres separate two skeletons: a lower bound of their distance.
+
+use super::{FeaturePair, FeatureScratch};
+use crate::math::Vec3;
+
+/// A direction from `a` to `b` and how far it separates the skeletons.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeparatingAxis {
+    pub direction: Vec3,
+    pub distance: f64,
+}
+
+fn lowest(points: &[Vec3], along: &Vec3) -> f64 {
+    points.iter().map(|x| along.dot(x)).fold(f64::MAX, f64::min)
+}
+
+impl FeatureScratch {
+    /// Puts the vertices of `b` into the frame of `a`.
+    pub(super) fn place(&mut self, pair: &FeaturePair<'_>) {
+        self.vertices_b.clear();
+        self.vertices_b.extend(pair.b.vertices().iter().map(|v| pair.b_to_a.point(v)));
+    }
+
+    pub(super) fn set_heights(&mut self, pair: &FeaturePair<'_>, axis: &Vec3) {
+        self.heights_a.clear();
+        self.heights_a.extend(pair.a.vertices().iter().map(|x| axis.dot(x)));
+        self.heights_b.clear();
+        self.heights_b.extend(self.vertices_b.iter().map(|x| axis.dot(x)));
+    }
+}
+
+impl FeaturePair<'_> {
+    /// How far a direction separates the skeletons: directions are turned, not vertices placed.
+    #[inline]
+    fn gap(&self, along: &Vec3) -> f64 {
+        let seen_from_b = self.b_to_a.inverse_direction(along);
+        let lowest_of_b =
+            along.dot(&self.b_to_a.translation) + self.b_to_a.scale * lowest(self.b.vertices(), &seen_from_b);
+        lowest_of_b + lowest(self.a.vertices(), &-along)
+    }
+
+    /// The best of the line of centres and all face normals, in both senses where faces have no outside. Stops at the
+    /// first that separates by more than `enough`.
+    pub(super) fn most_separating(&self, enough: f64) -> SeparatingAxis {
+        let mut best = SeparatingAxis { direction: Vec3::x(), distance: f64::MIN };
+        let mut offer = |direction: Vec3| {
+            let distance = self.gap(&direction);
+            if distance > best.distance {
+                best = SeparatingAxis { direction, distance };
+            }
+            best.distance > enough
+        };
+        let between = self.b_to_a.point(&self.b.middle) - self.a.middle;
+        if let Some(along) = between.try_normalize(0.0)
+            && offer(along)
+        {
+            return best;
+        }
+        for face in self.a.faces() {
+            if offer(face.normal) || (!self.a.is_convex() && offer(-face.normal)) {
+                return best;
+            }
+        }
+        for face in self.b.faces() {
+            let along = self.b_to_a.direction(&face.normal);
+            if offer(-along) || (!self.b.is_convex() && offer(along)) {
+                return best;
+            }
+        }
+        best
+    }
+
+    /// Whether the surfaces are provably more than `gap` apart. False means nothing.
+    pub fn apart_by(&self, gap: f64) -> bool {
+        let enough = self.radius() + gap;
+        self.most_separating(enough).distance > enough
+    }
+}
