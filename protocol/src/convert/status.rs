@@ -44,6 +44,7 @@ fn energy_to_wire(energy: &EnergyBalance) -> v1::EnergyBalance {
         elastic_j: energy.elastic_j,
         dissipated_normal_j: energy.dissipated_normal_j,
         dissipated_friction_j: energy.dissipated_friction_j,
+        dissipated_local_j: energy.dissipated_local_j,
         work_boundaries_j: energy.work_boundaries_j,
         work_commands_j: energy.work_commands_j,
         residual_j: energy.residual_j,

@@ -59,6 +59,7 @@ fn energy(summary: &Summary) {
         ("elastic", energy.elastic_j),
         ("lost to dashpots", energy.dissipated_normal_j),
         ("lost to friction", energy.dissipated_friction_j),
+        ("lost to local damping", energy.dissipated_local_j),
         ("work of boundaries", energy.work_boundaries_j),
         ("work of commands", energy.work_commands_j),
     ];

@@ -271,6 +271,7 @@ class EnergyBalance:
     elastic_j: float
     dissipated_normal_j: float
     dissipated_friction_j: float
+    dissipated_local_j: float
     work_boundaries_j: float
     work_commands_j: float
     residual_j: float
