@@ -128,8 +128,7 @@ pub fn drift(
             *odometer += path_m(motion, dt, if rotates[shape[row] as usize] { radius[row] } else { 0.0 });
             DriftReport {
                 not_converged: u64::from(!converged),
-                largest_displacement_squared: motion.mean_velocity.norm_squared() * (dt * dt)
-                    / (radius[row] * radius[row]),
+                largest_displacement_squared: (motion.mean_velocity * (dt / radius[row])).norm_squared(),
             }
         })
         .reduce(DriftReport::default, DriftReport::merged)
