@@ -5,9 +5,10 @@ mod common;
 use common::{drum, engine, header, shape, steps};
 use sturz_engine::{Command, Effect};
 
-/// Runs the drum and returns the hash after each stretch.
+/// Runs the drum under the linear law and returns the hash after each stretch; tests/generalized_overlap.rs has the
+/// default one.
 fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {
-    let mut engine = engine(&drum(90));
+    let mut engine = engine(&drum(90).replacen("[domain]", "[contact]\nnormal = \"linear\"\n[domain]", 1));
     engine.set_threads(threads);
     let mut hashes = Vec::new();
     for stretch in 0..6 {

@@ -143,9 +143,10 @@ fn cube_slides_and_turns_to_rest_on_the_floor() {
 fn overlap_beyond_the_rounding_is_refused() {
     let mut text = header([0.0; 3], 1e-4, LAW, "stiffness_n_per_m = 1e6\nrestitution = 1.0");
     text += &shape("kind = \"cube\", edge_m = 1.0");
-    text += &particle([0.0; 3], [0.5, 0.0, 0.0], [0.0; 3]);
-    text += &particle([1.0001, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0; 3]);
+    text += &particle([0.0; 3], [1.5, 0.0, 0.0], [0.0; 3]);
+    text += &particle([1.0001, 0.0, 0.0], [-1.5, 0.0, 0.0], [0.0; 3]);
     let mut engine = engine(&text);
+    // the default rounding: 0.02 of the edge each
     let error = (0..1000).find_map(|_| engine.step().err()).expect("the law ends");
     assert!(matches!(error, StepError::BeyondRounding { a: 0, .. }), "{error}");
     assert!(engine.report().warnings.deep_rounding > 0);

@@ -132,10 +132,11 @@ fn ball_rolls_down_a_slope() {
 /// Momentum and angular momentum of free crosses that collide with friction: kept to rounding.
 #[test]
 fn collisions_keep_momentum() {
-    let scene = header([0.0; 3], 2e-6, "", "stiffness_n_per_m = 1e4\nrestitution = 0.6\nfriction = 0.5")
-        + &shape("kind = \"cross_3d\", beam_length_m = 0.02, beam_width_m = 0.004")
-        + &particle([-0.012, 0.001, 0.0], [1.0, 0.0, 0.1], [3.0, 40.0, 5.0])
-        + &particle([0.012, 0.0, 0.002], [-1.0, 0.1, 0.0], [30.0, 0.0, -20.0]);
+    let scene =
+        header([0.0; 3], 2e-6, "normal = \"linear\"", "stiffness_n_per_m = 1e4\nrestitution = 0.6\nfriction = 0.5")
+            + &shape("kind = \"cross_3d\", beam_length_m = 0.02, beam_width_m = 0.004")
+            + &particle([-0.012, 0.001, 0.0], [1.0, 0.0, 0.1], [3.0, 40.0, 5.0])
+            + &particle([0.012, 0.0, 0.002], [-1.0, 0.1, 0.0], [30.0, 0.0, -20.0]);
     let mut engine = engine(&scene);
     let momentum = |engine: &Engine| engine.report().momentum_kg_m_per_s;
     let before = momentum(&engine);

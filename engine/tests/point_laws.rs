@@ -87,11 +87,12 @@ fn a_plain_scene_has_none_of_these_laws() {
 /// Springs that add need a smaller step: a cube face on a wall has 4 points, two faces up to 8.
 #[test]
 fn the_critical_step_counts_springs_that_add() {
-    let critical = |contact: &str| {
-        let text = scene(contact, PAIR, "kind = \"cube\", edge_m = 0.01");
+    let critical = |sharing: &str| {
+        let contact = format!("normal = \"linear\"\nsharing = \"{sharing}\"");
+        let text = scene(&contact, PAIR, "kind = \"cube\", edge_m = 0.01");
         Scene::validate(SceneDescription::from_toml(&text).unwrap()).unwrap().check().critical_time_step_s
     };
-    let (one, many) = (critical("sharing = \"model_b\""), critical("sharing = \"model_a\""));
+    let (one, many) = (critical("model_b"), critical("model_a"));
     // the pair limits: half the mass of a wall contact, twice the springs
     assert!((one / many - 8f64.sqrt()).abs() < 1e-6, "{one} {many}");
 }
@@ -99,13 +100,13 @@ fn the_critical_step_counts_springs_that_add() {
 /// 1, 2 and 4 threads, with every spring that these laws keep.
 #[test]
 fn equal_bits_on_any_number_of_threads() {
-    let viscous = "sharing = \"model_a\"\ndamping_mass = \"contact\"\ntangential = \"viscous\"";
+    let viscous = "normal = \"linear\"\nsharing = \"model_a\"\ndamping_mass = \"contact\"\ntangential = \"viscous\"";
     let turning = "stiffness_n_per_m = 1e5\nrestitution = 0.5\nfriction = 0.5\nrolling_friction = 0.1\n\
                    twisting_friction = 0.1\ncohesion = { kind = \"sjkr\", energy_density_j_per_m3 = 1e4 }";
     for (contact, pair, spacing, geometry) in [
         (viscous, turning, 0.0102, "kind = \"cube\", edge_m = 0.01"),
         (
-            "sharing = \"model_b\"\nsharing_scope = \"bodies\"",
+            "normal = \"linear\"\nsharing = \"model_b\"\nsharing_scope = \"bodies\"",
             turning,
             0.0202,
             "kind = \"cross_3d\", beam_length_m = 0.02, beam_width_m = 0.005",

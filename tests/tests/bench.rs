@@ -4,7 +4,7 @@ use sturz_tests::bench::{NormalLaw, Plan, Size, Workload, measure, settled};
 
 #[test]
 fn every_workload_runs_small() {
-    let plan = Plan { threads: 2, steps: 20, blocks: 5, normal: NormalLaw::Linear, warm_up: 20 };
+    let plan = Plan { threads: 2, steps: 20, blocks: 5, normal: NormalLaw::GeneralizedOverlap, warm_up: 20 };
     for name in Workload::NAMES {
         let workload = Workload::named(name, Size::Small).unwrap();
         let bed = settled(&workload, 2, &mut |_| {}).unwrap();

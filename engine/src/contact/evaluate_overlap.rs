@@ -67,9 +67,10 @@ pub(super) fn evaluate_overlaps(
         sums.points_by_kind[1] += u64::from(contact.points[0] - contact.points[1]);
         sums.points_by_kind[2] += u64::from(contact.points[1]);
         sums.take_overlap(contact.overlap, pair.smaller_radius, index);
-        // r of the two bodies, or of the one at a wall
-        let radius = contact.radius_sum * if pair.b.is_some() { 0.5 } else { 1.0 };
-        sums.take_rounding(contact.overlap / radius, index);
+        // at a wall the law has no end
+        if pair.b.is_some() {
+            sums.take_rounding(contact.overlap / (0.5 * contact.radius_sum), index);
+        }
     }
 }
 

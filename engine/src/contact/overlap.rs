@@ -5,9 +5,10 @@ use super::table::Slot;
 use crate::boundary::WallShape;
 use crate::math::{Mat3, Vec3};
 use crate::narrow::generalized_overlap::{
-    ActiveTerms, Core, OverlapPoint, RoundedPair, Scratch, Term, aggregate, core_cylinder, core_plane,
+    ActiveTerms, Core, OverlapPoint, RoundedPair, Scratch, Term, aggregate, polyhedron_cylinder, polyhedron_plane,
 };
 use crate::scene::RoundedShapes;
+use crate::shape::PartGeometry;
 
 /// A touching pair of rounded polyhedra, or one at a wall. World axes, seen from the centre of `a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,9 +114,13 @@ impl OverlapChunk {
         let core = core(rounded, particles.shape[a], slot.part_a);
         let wall_from_body =
             boundary.wall_from_body(&particles.position[a], &particles.rotation[a], particles.scale[a]);
+        let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
+        let PartGeometry::Polyhedron(solid) = &part.geometry else { unreachable!("only polyhedra have cores") };
         match boundary.shape {
-            WallShape::Plane => core_plane(core, &wall_from_body, &mut self.terms),
-            WallShape::CylinderInside(radius) => core_cylinder(core, &wall_from_body, radius, &mut self.terms),
+            WallShape::Plane => polyhedron_plane(solid, &wall_from_body, &mut self.terms),
+            WallShape::CylinderInside(radius) => {
+                polyhedron_cylinder(solid, &wall_from_body, radius, &mut self.terms);
+            }
         }
         let frame = TermFrame {
             rotation: boundary.rotation,

@@ -49,7 +49,7 @@ impl Scene {
                 duration / 50.0
             ));
         }
-        let contacts = match self.description().contact.normal {
+        let contacts = match self.description().normal_law() {
             NormalLaw::Linear | NormalLaw::Hertz => CONTACTS_PER_BODY,
             // Its bound counts all contacts of a pair in: packings were stable up to 0.95 of it.
             NormalLaw::GeneralizedOverlap => 1.1,
@@ -82,7 +82,7 @@ impl Scene {
     /// Largest overlap of a particle resting on one point, over its bounding radius; over all shapes and materials
     /// at unit scale while there are no particles.
     fn resting_overlap_ratio(&self) -> Option<f64> {
-        if self.description().contact.normal == NormalLaw::Hertz {
+        if self.description().normal_law() == NormalLaw::Hertz {
             return None;
         }
         let gravity = Vec3::from(self.description().scene.gravity_m_per_s2).norm();

@@ -97,12 +97,15 @@ fn normal_law(description: &SceneDescription) -> String {
     let contact = &description.contact;
     let section = &contact.generalized_overlap;
     let end = format!("contact end {:?}", contact.contact_end).to_lowercase();
-    match contact.normal {
+    match description.normal_law() {
         NormalLaw::Linear => format!("normal law: linear spring and dashpot, {end}"),
         NormalLaw::Hertz => format!("normal law: Hertz, {end}"),
         NormalLaw::GeneralizedOverlap => format!(
-            "normal law: polyhedra by generalized overlap (p {}, rounded by {:.2e} of the inner diameter, exponent {}); linear spring and dashpot where a part is round; {end}",
-            section.p, section.rounding_fraction, section.exponent
+            "normal law: polyhedra by generalized overlap (p {}, rounded by {:.2e} of the inner diameter{}, exponent {}); linear spring and dashpot where a part is round; {end}",
+            section.p,
+            section.rounding_wanted(),
+            if section.rounding_fraction.is_none() { " at most" } else { "" },
+            section.exponent
         ),
     }
 }

@@ -115,7 +115,7 @@ impl PointLaws {
     /// Of a checked description; `None` where the plain law does.
     pub(super) fn build(description: &SceneDescription, shapes: &[Shape]) -> Option<Self> {
         let contact = &description.contact;
-        let named = contact.normal == NormalLaw::Hertz
+        let named = description.normal_law() == NormalLaw::Hertz
             || contact.damping_mass != DampingMass::Central && shapes.iter().any(|shape| !is_ball(shape))
             || contact.sharing == Sharing::ModelA
             || contact.tangential == Tangential::Viscous
@@ -132,11 +132,12 @@ impl PointLaws {
             (pairs[a * materials + b], pairs[b * materials + a]) = (extras, extras);
         }
         Some(Self {
-            normal: if contact.normal == NormalLaw::Hertz { PointNormal::Hertz } else { PointNormal::Linear },
+            normal: if description.normal_law() == NormalLaw::Hertz { PointNormal::Hertz } else { PointNormal::Linear },
             damping_mass: contact.damping_mass,
             springs_add: contact.sharing == Sharing::ModelA,
             reference_fraction: contact.hertz.reference_overlap_fraction,
-            reads_radius: contact.normal == NormalLaw::Hertz || description.material_pairs.iter().any(has_extras),
+            reads_radius: description.normal_law() == NormalLaw::Hertz
+                || description.material_pairs.iter().any(has_extras),
             rolling: pairs.iter().any(|pair| pair.rolling.is_active()),
             part_radius: shapes.iter().map(|shape| shape.parts().iter().map(Part::contact_radius).collect()).collect(),
             materials,
@@ -227,11 +228,17 @@ fn check_contact(description: &SceneDescription, errors: &mut Vec<InvalidInput>)
         errors.push(out_of_range("integrator.local_damping".into(), damping, "in [0, 1)"));
     }
     let shares = matches!(contact.sharing, Sharing::ModelB | Sharing::MaxOverlapShared);
-    if contact.sharing_scope == SharingScope::Bodies && !(shares && contact.normal == NormalLaw::Linear) {
+    if contact.sharing_scope == SharingScope::Bodies && !(shares && description.normal_law() == NormalLaw::Linear) {
         let problem = "\"bodies\" is for normal = \"linear\" with sharing = \"model_b\" or \"max_overlap_shared\"";
         errors.push(InvalidInput::new("contact.sharing_scope", problem));
     }
-    let fits = match contact.normal {
+    let overlaps = description.normal_law() == NormalLaw::GeneralizedOverlap;
+    if overlaps && contact.sharing != Sharing::PerPoint {
+        let problem =
+            "is for points, which generalized_overlap (the default of polyhedra) has none of: give normal = \"linear\"";
+        errors.push(InvalidInput::new("contact.sharing", problem));
+    }
+    let fits = match description.normal_law() {
         NormalLaw::Linear => contact.tangential != Tangential::Mindlin,
         NormalLaw::Hertz => contact.tangential != Tangential::CoulombHistory,
         NormalLaw::GeneralizedOverlap => {
@@ -239,7 +246,7 @@ fn check_contact(description: &SceneDescription, errors: &mut Vec<InvalidInput>)
         }
     };
     if !fits {
-        let allowed = "linear takes coulomb_history, viscous or none; hertz takes mindlin, viscous or none; generalized_overlap takes coulomb_history or none";
+        let allowed = "linear takes coulomb_history, viscous or none; hertz takes mindlin, viscous or none; generalized_overlap (the default of polyhedra) takes coulomb_history or none";
         errors.push(InvalidInput::new("contact.tangential", format!("does not go with this normal law: {allowed}")));
     }
 }
@@ -274,10 +281,13 @@ fn check_pair(
             "is read by tangential = \"viscous\" only; give tangential_damping_ratio",
         );
     }
-    if contact.normal == NormalLaw::GeneralizedOverlap && has_extras(pair) {
-        refuse("rolling_friction", "and cohesion do not go with normal = \"generalized_overlap\"");
+    if description.normal_law() == NormalLaw::GeneralizedOverlap && has_extras(pair) {
+        refuse(
+            "rolling_friction",
+            "and cohesion do not go with generalized_overlap, the default of polyhedra: give normal = \"linear\"",
+        );
     }
-    let hertz = contact.normal == NormalLaw::Hertz;
+    let hertz = description.normal_law() == NormalLaw::Hertz;
     match pair.stiffness_n_per_m {
         Some(_) if hertz => {
             refuse("stiffness_n_per_m", "is not read by hertz: give youngs_modulus_pa of the materials")
@@ -295,7 +305,7 @@ fn check_pair(
 
 /// Hertz knows round parts only.
 pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> Vec<InvalidInput> {
-    if description.contact.normal != NormalLaw::Hertz {
+    if description.normal_law() != NormalLaw::Hertz {
         return Vec::new();
     }
     let flat = |shape: &Shape| shape.parts().iter().any(|part| matches!(part.geometry, PartGeometry::Polyhedron(_)));
@@ -316,7 +326,7 @@ pub(super) fn plan_lines(description: &SceneDescription) -> Vec<String> {
     if contact.sharing_scope == SharingScope::Bodies {
         lines.push("sharing of points: over all points of two bodies".into());
     }
-    if contact.normal == NormalLaw::Hertz {
+    if description.normal_law() == NormalLaw::Hertz {
         let percent = 100.0 * contact.hertz.reference_overlap_fraction;
         lines.push(format!("critical step: holds up to an overlap of {percent} % of the effective radius"));
     }

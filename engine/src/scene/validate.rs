@@ -489,7 +489,7 @@ fn pair_law(
     problems: &mut Problems,
 ) -> Option<PairLaw> {
     let before = problems.0.len();
-    let hertz = description.contact.normal == NormalLaw::Hertz;
+    let hertz = description.normal_law() == NormalLaw::Hertz;
     // Hertz knows the stiffness of a load only; elsewhere its absence is refused already.
     let k = pair.stiffness_n_per_m.unwrap_or(if hertz { 0.0 } else { 1.0 });
     problems.in_range(&format!("{path}.stiffness_n_per_m"), k, "finite and above 0", k > 0.0 || hertz);

@@ -152,3 +152,21 @@ impl ShapeDescription {
         }
     }
 }
+
+impl ShapeDescription {
+    /// Whether some part is a polyhedron with sharp edges.
+    pub(crate) fn has_sharp_part(&self) -> bool {
+        match self {
+            Self::Cube { .. }
+            | Self::Box { .. }
+            | Self::Tetrahedron { .. }
+            | Self::Octahedron { .. }
+            | Self::Pinacoid { .. }
+            | Self::ConvexPolyhedron { .. }
+            | Self::Cross2d { .. }
+            | Self::Cross3d { .. } => true,
+            Self::Sphere { .. } | Self::Spherocylinder { .. } | Self::RoundedPolyhedron { .. } => false,
+            Self::Composite { parts, .. } => parts.iter().any(|part| part.shape.has_sharp_part()),
+        }
+    }
+}

@@ -37,6 +37,9 @@ impl Polyhedron {
             return Err(format!("moving the faces inwards by {by:e} leaves nothing around the centroid"));
         }
         let heights: Vec<f64> = self.faces().iter().map(|f| f.offset - by - f.normal.dot(&inside.centroid)).collect();
+        if let Some(simple) = self.inset_of_simple(&inside, &heights) {
+            return Ok(simple);
+        }
         let poles: Vec<Vec3> = self.faces().iter().zip(&heights).map(|(f, h)| f.normal / *h).collect();
         let dual = convex_hull(&poles, "core").map_err(|error| error.to_string())?;
         if dual.vertices() != poles {
@@ -51,6 +54,29 @@ impl Polyhedron {
             TopologyError::TooMany { what, count, most } => format!("its core has {count} {what}, at most {most}"),
             TopologyError::Invalid(reason) => format!("its core is no polyhedron: {reason}"),
         })
+    }
+
+    /// The same where three faces meet at each vertex and none of them is lost: each vertex goes where its three
+    /// planes meet. Works at any proportions, which a hull of nearly coplanar poles does not.
+    fn inset_of_simple(&self, inside: &Inside, heights: &[f64]) -> Option<Self> {
+        let vertices: Option<Vec<Vec3>> = (0..self.vertices().len())
+            .map(|v| {
+                let faces = self.vertex_faces(v);
+                let meeting = (faces.len() == 3).then(|| meeting_point(self, heights, faces))?;
+                meeting.ok().map(|x| x + inside.centroid)
+            })
+            .collect();
+        let vertices = vertices?;
+        // an edge that would turn round belongs to a face that is lost
+        let keeps_its_sense = |[v, w]: [u32; 2]| {
+            let edge = |of: &[Vec3]| of[w as usize] - of[v as usize];
+            edge(&vertices).dot(&edge(self.vertices())) > 0.0
+        };
+        if !self.edges().iter().all(|edge| keeps_its_sense(edge.vertices)) {
+            return None;
+        }
+        let loops = (0..self.faces().len()).map(|f| self.face_vertices(f).to_vec()).collect();
+        Self::from_faces(vertices, loops).ok()
     }
 }
 

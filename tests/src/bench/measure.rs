@@ -31,10 +31,10 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum NormalLaw {
-    /// The scene's default.
-    #[default]
+    /// `linear`.
     Linear,
-    /// `generalized_overlap`.
+    /// `generalized_overlap`, the default of polyhedra; linear for the others.
+    #[default]
     GeneralizedOverlap,
     /// The same with F ~ D^1.5, D0 = 1e-2 of the sum of the rounding radii.
     GeneralizedOverlapThreeHalves,
@@ -114,7 +114,7 @@ pub struct Measurement {
 pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Measurement> {
     let start = |softness: Softness| workload.from_bed(bed, softness).contact(plan.normal.lines()).start();
     let mut engine = match start(Softness::NONE) {
-        // The workload's step is the linear law's; what a step costs does not depend on its length.
+        // The workload's step may be too long for this law; what a step costs does not depend on its length.
         Err(_) if plan.normal != NormalLaw::Linear => start(Softness { step_fraction: Some(0.8), ..Softness::NONE })?,
         outcome => outcome?,
     };

@@ -10,6 +10,9 @@ use super::given;
 use super::workload::{GRAVITY, Softness, Workload};
 use crate::scene::steps;
 
+/// The law that beds settle under: soft, they overlap by more than the rounding of polyhedra.
+const LAW: &str = "normal = \"linear\"";
+
 /// Steps between two looks at the kinetic energy, and between two changes of gravity.
 const LOOK_EVERY: u64 = 50;
 
@@ -25,7 +28,7 @@ pub fn settled(workload: &Workload, threads: usize, say: &mut dyn FnMut(String))
         return Ok(bed);
     }
     let soft = Softness { stiffness: SOFT, step_fraction: Some(0.2), restitution: Some(workload.restitution.min(0.3)) };
-    let mut engine = workload.loose(soft).start()?;
+    let mut engine = workload.loose(soft).contact(LAW).start()?;
     engine.set_threads(threads);
     let mut tell = |stage: &str, engine: &Engine| {
         say(format!(
@@ -44,7 +47,7 @@ pub fn settled(workload: &Workload, threads: usize, say: &mut dyn FnMut(String))
     lower_gravity(&mut engine, 1.5 * short_s)?;
     quieten(&mut engine, workload, 1e-5 * SOFT, 10.0 * short_s)?;
     tell("is light", &engine);
-    let mut engine = workload.from_bed(&Bed::of(&engine), Softness::NONE).start()?;
+    let mut engine = workload.from_bed(&Bed::of(&engine), Softness::NONE).contact(LAW).start()?;
     engine.set_threads(threads);
     // The friction springs of the soft bed are gone: the bed slips by their stretch before it rests again.
     run(&mut engine, 2000.0 * workload.time_step_s)?;

@@ -21,11 +21,11 @@ struct Arguments {
     /// Timed blocks, of which the median counts
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(5..))]
     blocks: u16,
-    /// Normal law of the measured run; the bed is settled with the linear one, so give a warm-up of some 5000 steps
+    /// Normal law of the measured run where polyhedra meet; beds are settled with the linear one
     #[arg(long, value_enum, default_value_t)]
     normal: NormalLaw,
-    /// Untimed steps before the first block
-    #[arg(long, default_value_t = 500)]
+    /// Untimed steps before the first block: the bed comes without friction history, and changes its law
+    #[arg(long, default_value_t = 4000)]
     warm_up: u64,
     /// A few dozen particles instead: a test of the program, no benchmark
     #[arg(long)]

@@ -9,7 +9,7 @@ pub fn cases() -> Vec<Case> {
 
 fn base(gravity_z: f64) -> SceneText {
     SceneText::new([0.0, 0.0, gravity_z], "time_step_s = 2e-5")
-        .contact("overlap_limit = 2.0")
+        .contact("normal = \"linear\"\noverlap_limit = 2.0")
         .materials(1000.0, "stiffness_n_per_m = 1e6\nrestitution = 0.3\nfriction = 0.5")
         .shape("kind = \"cube\", edge_m = 0.2")
         .named_shape("octahedron", "kind = \"octahedron\", edge_m = 0.2")

@@ -50,7 +50,7 @@ fn slices(checks: &mut Checks) -> anyhow::Result<()> {
             let damping = 2.0 * GAMMA / softening * MASS;
             let law = format!("stiffness_n_per_m = {STIFFNESS:?}\ndamping_n_s_per_m = {damping:?}");
             let mut engine = SceneText::new([0.0; 3], &format!("time_step_s = {:?}", duration / 1000.0))
-                .contact(&format!("{contact}\ncontact_end = \"tension\""))
+                .contact(&format!("normal = \"linear\"\n{contact}\ncontact_end = \"tension\""))
                 .materials(MASS / (area * LENGTH), &law)
                 .shape(&prism(n))
                 .floor()

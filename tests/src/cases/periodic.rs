@@ -9,6 +9,7 @@ pub fn cases() -> Vec<Case> {
 
 fn scene(periodic: bool, geometry: &str) -> SceneText {
     let scene = SceneText::new([0.0; 3], "time_step_s = 1e-5")
+        .contact("normal = \"linear\"")
         .materials(1000.0, "stiffness_n_per_m = 1e6\nrestitution = 0.6\nfriction = 0.5")
         .shape(geometry);
     if periodic { scene.cell([0.0; 3], [2.0; 3]) } else { scene }

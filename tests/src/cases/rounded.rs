@@ -184,7 +184,7 @@ fn towers(checks: &mut Checks) -> anyhow::Result<()> {
 
 /// Both exponents; D0 of the second is 1e-4 m between cubes, a little above the largest overlap of the tower.
 const EXPONENTS: [(&str, &str); 2] =
-    [("F ~ D", ""), ("F ~ D^1.5", "generalized_overlap = { exponent = 1.5, reference_overlap_fraction = 0.01 }")];
+    [("F ~ D", ""), ("F ~ D^1.5", ", exponent = 1.5, reference_overlap_fraction = 0.01")];
 
 fn tower([x, y]: [f64; 2], angle: f64, section: &str) -> SceneText {
     let turned = Quat::from_scaled_axis(sturz_engine::math::Vec3::z() * angle);
@@ -194,7 +194,7 @@ fn tower([x, y]: [f64; 2], angle: f64, section: &str) -> SceneText {
         .map(|k| if k % 2 == 1 { [turned.w, turned.i, turned.j, turned.k] } else { [1.0, 0.0, 0.0, 0.0] })
         .collect();
     SceneText::new([0.0, 0.0, -9.81], "time_step_s = 4e-5")
-        .contact(&format!("normal = \"generalized_overlap\"\ncontact_end = \"tension\"\n{section}"))
+        .contact(&format!("contact_end = \"tension\"\ngeneralized_overlap = {{ rounding_fraction = 5e-3{section} }}"))
         .materials(1000.0, "stiffness_n_per_m = 1.3e9\nrestitution = 0.1\nfriction = 0.5")
         .shape("kind = \"cube\", edge_m = 1.0")
         .floor()

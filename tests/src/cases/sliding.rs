@@ -83,6 +83,7 @@ fn block(checks: &mut Checks, theta: f64) -> anyhow::Result<()> {
     let (stiffness, size) = (1e6, [0.1, 0.1, 0.02]);
     let mass = DENSITY * size.iter().product::<f64>();
     let scene = SceneText::new([G * theta.sin(), 0.0, -G * theta.cos()], "time_step_s = 1e-5")
+        .contact("normal = \"linear\"")
         .materials(DENSITY, "stiffness_n_per_m = 1e6\nrestitution = 0.2\nfriction = 0.5")
         .shape(&format!("kind = \"box\", size_m = {size:?}"))
         .floor()

@@ -24,7 +24,7 @@ pub use core::Core;
 pub use edges::EdgeFade;
 pub use norm::{Overlap, OverlapPoint, PNorm, aggregate};
 pub use pair::{RoundedPair, Term, TermCode};
-pub use wall::{core_cylinder, core_plane};
+pub use wall::{polyhedron_cylinder, polyhedron_plane};
 
 /// Parameters of the overlap: the exponent of the norm, and how edge pairs fade.
 #[derive(Clone, Copy, Debug, PartialEq)]
