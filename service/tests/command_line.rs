@@ -49,7 +49,7 @@ fn scenes_are_listed_printed_and_readable_again() {
 fn check_tells_plan_steps_and_doubts() {
     let good = sturz(&["check", "cube-heap"]);
     assert!(stdout(&good).contains("no doubts") && stdout(&good).contains("critical time step"), "{}", stdout(&good));
-    let text = stdout(&sturz(&["scenes", "cube-heap"])).replace("time_step_s = 8e-6", "time_step_s = 2e-5");
+    let text = stdout(&sturz(&["scenes", "cube-heap"])).replace("time_step_s = 8e-6", "time_step_s = 2.25e-5");
     let coarse = scene_file("coarse.toml", &text);
     let doubtful = sturz(&["check", coarse.to_str().unwrap(), "--json"]);
     assert_eq!(doubtful.status.code(), Some(0));

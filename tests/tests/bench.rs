@@ -10,7 +10,10 @@ fn every_workload_runs_small() {
         let bed = settled(&workload, 2, &mut |_| {}).unwrap();
         let result = measure(&workload, &bed, &plan).unwrap();
         assert_eq!(result.particles, u64::from(workload.count), "{name}");
-        assert!(result.touching_pairs > 0 && result.particle_steps_per_s > 0.0, "{name}: {result:?}");
+        assert!(
+            result.touching_pairs + result.touching_boundary_pairs > 0 && result.particle_steps_per_s > 0.0,
+            "{name}: {result:?}"
+        );
         assert!(result.largest_overlap_ratio < 0.3, "{name}: {result:?}");
     }
 }
