@@ -49,6 +49,9 @@ const DEEP_ROUNDING: f64 = 1.5;
 const END_OF_ROUNDING: f64 = 2.0;
 /// Displacement in one step over the bounding radius that counts as fast.
 const FAST: f64 = 0.1;
+/// Path in one step over the smallest half-thickness above which a contact could be missed: two particles that both keep
+/// to it are not past each other's middle when they are first seen.
+const MOST_PER_STEP: f64 = 1.0;
 
 fn pool(threads: usize) -> Arc<ThreadPool> {
     let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).thread_name(|k| format!("physics-{k}")).build();
@@ -196,10 +199,13 @@ impl Engine {
     pub(crate) fn half_kick_and_drift(&mut self) {
         let dt = self.clock.time_step_s();
         let rotation = self.scene.description().integrator.rotation;
-        let rotates = &self.scene.plan().rotates;
-        let report = integrate::drift(&mut self.particles, &self.gravity, dt, (rotation, rotates));
+        let plan = self.scene.plan();
+        let shapes = (rotation, &plan.rotates[..], &plan.half_thickness[..]);
+        let report = integrate::drift(&mut self.particles, &self.gravity, dt, shapes);
         self.warnings.rotation_not_converged += report.not_converged;
         self.warnings.fast_particle += u64::from(report.largest_displacement_squared > FAST * FAST);
+        // rows may be sorted anew before the guard sees them
+        self.failure = report.too_fast.filter(|_| self.may_collide()).map(|(row, ratio)| self.too_fast(row, ratio));
     }
 
     pub(crate) fn wrap_into_cell(&mut self) {
@@ -312,6 +318,15 @@ impl Engine {
         self.clock.advance();
     }
 
+    /// Whether there is anything that a particle could pass through.
+    fn may_collide(&self) -> bool {
+        self.particles.n_owned() > 1 || !self.boundaries.is_empty()
+    }
+
+    fn too_fast(&self, row: usize, ratio: f64) -> StepError {
+        StepError::TooFast { id: self.particles.ids[row], ratio, limit: MOST_PER_STEP, step: self.clock.step() + 1 }
+    }
+
     fn non_finite(&self, row: usize) -> StepError {
         let particles = &self.particles;
         let broken = |v: &Vec3| !v.iter().all(|c| c.is_finite());
@@ -325,7 +340,7 @@ impl Engine {
         StepError::NonFinite { id: particles.ids[row], quantity, step: self.clock.step() + 1 }
     }
 
-    /// Non-finite numbers and excessive overlap end the run; lesser troubles are counted.
+    /// Non-finite numbers, tunnelling and excessive overlap end the run; lesser troubles are counted.
     pub(crate) fn guard(&mut self) -> Result<(), StepError> {
         if let Some(failure) = self.failure.take() {
             return Err(failure);

@@ -69,6 +69,20 @@ pub enum StepError {
         /// The step.
         step: u64,
     },
+    /// A particle moves so far in one step that it could pass through another without being seen.
+    #[error(
+        "particle {id} moves by {ratio:.2} of its smallest half-thickness in step {step} (limit {limit}) and could pass through what it hits: reduce time_step_s"
+    )]
+    TooFast {
+        /// The particle.
+        id: u64,
+        /// Path of its fastest point in the step over its smallest half-thickness.
+        ratio: f64,
+        /// The limit.
+        limit: f64,
+        /// The step.
+        step: u64,
+    },
     /// The run failed earlier and must not go on.
     #[error("the run stopped at step {step}: {reason}")]
     Stopped {

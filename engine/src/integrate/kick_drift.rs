@@ -21,13 +21,29 @@ pub struct DriftReport {
     pub not_converged: u64,
     /// Square of the largest displacement over the bounding radius.
     pub largest_displacement_squared: f64,
+    /// Lowest row that moved by more than its half-thickness, and by how many of them.
+    pub too_fast: Option<(usize, f64)>,
 }
 
 impl DriftReport {
+    /// Of one row: displacement of its centre over the bounding radius; bound on the path of its points, m.
+    #[inline(always)]
+    fn of_row(row: usize, converged: bool, relative_displacement: &Vec3, (path, half_thickness): (f64, f64)) -> Self {
+        Self {
+            not_converged: u64::from(!converged),
+            largest_displacement_squared: relative_displacement.norm_squared(),
+            too_fast: (path > half_thickness).then(|| (row, path / half_thickness)),
+        }
+    }
+
     fn merged(self, other: Self) -> Self {
         Self {
             not_converged: self.not_converged + other.not_converged,
             largest_displacement_squared: self.largest_displacement_squared.max(other.largest_displacement_squared),
+            too_fast: match (self.too_fast, other.too_fast) {
+                (Some(a), Some(b)) => Some(if a.0 <= b.0 { a } else { b }),
+                (a, b) => a.or(b),
+            },
         }
     }
 }
@@ -64,12 +80,12 @@ fn turn(scheme: RotationScheme, orientation: &Quat, momentum_in_body: &Vec3, ine
 
 /// v and J to the middle of the step, x and the orientation to its end; predicts the velocities there.
 ///
-/// `rotates` says by shape whether orientations are integrated.
+/// By shape: whether orientations are integrated, and the half-thickness at unit scale, m.
 pub fn drift(
     particles: &mut Particles,
     gravity: &Vec3,
     dt: f64,
-    (scheme, rotates): (RotationScheme, &[bool]),
+    (scheme, rotates, half_thickness): (RotationScheme, &[bool], &[f64]),
 ) -> DriftReport {
     let n = particles.n_owned();
     let Particles {
@@ -80,6 +96,7 @@ pub fn drift(
         force,
         torque,
         shape,
+        scale,
         radius,
         mass,
         inertia,
@@ -88,7 +105,8 @@ pub fn drift(
         odometer,
         ..
     } = particles;
-    let (force, torque, shape, radius, mass, inertia) = (&*force, &*torque, &*shape, &*radius, &*mass, &*inertia);
+    let (force, torque, shape, scale) = (&*force, &*torque, &*shape, &*scale);
+    let (radius, mass, inertia) = (&*radius, &*mass, &*inertia);
     let rows = (
         position[..n].par_iter_mut(),
         velocity[..n].par_iter_mut(),
@@ -113,7 +131,8 @@ pub fn drift(
             let predicted = *momentum + torque[row] * half;
             let inertia = &inertia[row];
             let mut converged = true;
-            if rotates[shape[row] as usize] {
+            let shape = shape[row] as usize;
+            if rotates[shape] {
                 let turn = turn(scheme, q, &rotation.tr_mul(momentum), inertia, dt);
                 converged = turn.converged;
                 *q = turn.orientation;
@@ -125,11 +144,10 @@ pub fn drift(
                 motion.mean_angular_velocity = *momentum * mobility;
                 motion.angular_velocity = predicted * mobility;
             }
-            *odometer += path_m(motion, dt, if rotates[shape[row] as usize] { radius[row] } else { 0.0 });
-            DriftReport {
-                not_converged: u64::from(!converged),
-                largest_displacement_squared: (motion.mean_velocity * (dt / radius[row])).norm_squared(),
-            }
+            let path = path_m(motion, dt, if rotates[shape] { radius[row] } else { 0.0 });
+            *odometer += path;
+            let displacement = motion.mean_velocity * (dt / radius[row]);
+            DriftReport::of_row(row, converged, &displacement, (path, half_thickness[shape] * scale[row]))
         })
         .reduce(DriftReport::default, DriftReport::merged)
 }

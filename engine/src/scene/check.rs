@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::auto_step::{STEPS_PER_CONTACT, contacts_per_body};
 use super::{NormalLaw, Scene};
 use crate::math::Vec3;
 
@@ -31,9 +32,6 @@ const FEW_STEPS_PER_CONTACT: f64 = 20.0;
 /// Overlap at rest over the bounding radius above which shapes count as too soft.
 const LARGE_RESTING_OVERLAP: f64 = 0.05;
 
-/// Linear contacts on one body add: the step should stay below the critical one by the root of this number.
-const CONTACTS_PER_BODY: f64 = 12.0;
-
 impl Scene {
     /// Plan, time scales and doubts.
     pub fn check(&self) -> SceneCheck {
@@ -46,15 +44,12 @@ impl Scene {
             warnings.push(format!(
                 "a collision lasts {:.1} steps; below {FEW_STEPS_PER_CONTACT} its restitution is inaccurate: reduce time_step_s to {:e} s",
                 duration / dt,
-                duration / 50.0
+                duration / STEPS_PER_CONTACT
             ));
         }
-        let contacts = match self.description().normal_law() {
-            NormalLaw::Linear | NormalLaw::Hertz => CONTACTS_PER_BODY,
-            // Its bound counts all contacts of a pair in: packings were stable up to 0.95 of it.
-            NormalLaw::GeneralizedOverlap => 1.1,
-        };
-        if dt * contacts.sqrt() > critical {
+        let contacts = contacts_per_body(self.description().normal_law());
+        // a step chosen at this very bound must not warn for its rounding
+        if dt * contacts.sqrt() > critical * (1.0 + 1e-12) {
             warnings.push(format!(
                 "the step is {:.2} of the critical one of a single contact; several contacts on a body add up: stay below {:.2}",
                 dt / critical,

@@ -60,15 +60,27 @@ pub struct SceneSection {
     /// Acceleration of gravity.
     #[serde(default)]
     pub gravity_m_per_s2: [f64; 3],
-    /// Time step. Give this or `time_step_fraction`.
+    /// Time step. Give this, `time_step_fraction` or `time_step`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_step_s: Option<f64>,
     /// Time step as a fraction of the critical one, in (0, 1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_step_fraction: Option<f64>,
+    /// `"auto"`: the engine chooses the time step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step: Option<TimeStepChoice>,
     /// Seed of everything random.
     #[serde(default)]
     pub seed: u64,
+}
+
+/// Who chooses the time step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeStepChoice {
+    /// The engine: a fiftieth of the shortest collision, at most what several contacts on a body leave of the critical
+    /// step (1/sqrt(12) of it under `linear` and `hertz`; 0.8 under `generalized_overlap`).
+    Auto,
 }
 
 /// `[domain]`

@@ -1,5 +1,6 @@
 //! From what a user wrote to what the engine can run.
 
+mod auto_step;
 mod check;
 mod description;
 mod normal_law;

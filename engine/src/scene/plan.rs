@@ -3,6 +3,7 @@
 use super::{MaterialPairDescription, NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential, point_laws};
 use crate::broad::ShapeReach;
 use crate::contact::law::PairTable;
+use crate::shape::Shape;
 
 /// The stages that the scene needs; set once.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub struct Plan {
     pub rolling: bool,
     /// By shape: orientation is integrated.
     pub rotates: Vec<bool>,
+    /// By shape: radius of the thinnest part at unit scale, m.
+    pub half_thickness: Vec<f64>,
     /// By shape: what the broad phase needs.
     pub reaches: Vec<ShapeReach>,
     /// Neighbour skin over the harmonic mean of the bounding diameters.
@@ -30,12 +33,9 @@ const DEFAULT_SKIN_FRACTION: f64 = 0.08;
 
 impl Plan {
     /// `sphere_batch`: contacts of spheres follow the plain law.
-    pub(super) fn new(
-        description: &SceneDescription,
-        reaches: Vec<ShapeReach>,
-        pairs: &PairTable,
-        sphere_batch: bool,
-    ) -> Self {
+    pub(super) fn new(description: &SceneDescription, shapes: &[Shape], pairs: &PairTable, sphere_batch: bool) -> Self {
+        let reaches: Vec<ShapeReach> = shapes.iter().map(ShapeReach::of).collect();
+        let half_thickness = shapes.iter().map(Shape::half_thickness).collect();
         let history = matches!(description.contact.tangential, Tangential::CoulombHistory | Tangential::Mindlin)
             && pairs.any_friction();
         let turns = |pair: &MaterialPairDescription| pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0;
@@ -88,7 +88,7 @@ impl Plan {
             n => format!("boundaries: {n}"),
         });
         lines.push("fields: computed only while somebody subscribes or asks".into());
-        Self { lines, history, rolling, all_spheres, sphere_batch, rotates, reaches, skin_fraction }
+        Self { lines, history, rolling, all_spheres, sphere_batch, rotates, half_thickness, reaches, skin_fraction }
     }
 }
 

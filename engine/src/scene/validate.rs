@@ -2,10 +2,9 @@
 
 use super::{
     BoundaryGeometry, MaterialPairDescription, MotionDescription, NormalLaw, Plan, PointLaws, RoundedShapes,
-    SceneDescription, point_laws,
+    SceneDescription, TimeStepChoice, point_laws,
 };
 use crate::boundary::Boundary;
-use crate::broad::ShapeReach;
 use crate::cell::Cell;
 use crate::contact::law::{PairLaw, PairTable, damping_ratio, least_restitution};
 use crate::error::{InvalidInput, InvalidScene};
@@ -14,6 +13,7 @@ use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, round
 use crate::integrate::point_bounds;
 use crate::particles::NewParticle;
 use crate::scene::AngularVelocity;
+use crate::scene::auto_step::chosen_time_step;
 use crate::shape::{MAX_FEATURES, Part, Shape};
 
 /// A scene that has been proved usable.
@@ -103,10 +103,9 @@ impl Scene {
             return Err(InvalidScene(problems.0));
         }
         let boundaries = build_boundaries(&description, &mut problems);
-        let reaches = shapes.iter().map(ShapeReach::of).collect();
         let cell = Cell::new(&description.domain);
         let point_laws = PointLaws::build(&description, &shapes);
-        let plan = Plan::new(&description, reaches, &pairs, point_laws.is_none());
+        let plan = Plan::new(&description, &shapes, &pairs, point_laws.is_none());
         let mut scene = Self {
             description,
             shapes,
@@ -164,18 +163,21 @@ impl Scene {
     fn choose_time_step(&self, problems: &mut Problems) -> f64 {
         let bounds = self.contact_bounds(&self.particles);
         let section = &self.description.scene;
-        let time_step = match (section.time_step_s, section.time_step_fraction, bounds) {
-            (Some(dt), None, _) => dt,
-            (None, Some(fraction), Some(bounds)) => fraction * bounds.critical_time_step_s,
-            (None, Some(_), None) => {
-                problems.add(
-                    "scene.time_step_fraction",
-                    "needs at least one shape, one material with density and their material_pair; give time_step_s",
-                );
+        let time_step = match (section.time_step_s, section.time_step_fraction, section.time_step, bounds) {
+            (Some(dt), None, None, _) => dt,
+            (None, Some(fraction), None, Some(bounds)) => fraction * bounds.critical_time_step_s,
+            (None, None, Some(TimeStepChoice::Auto), Some(bounds)) => {
+                chosen_time_step(&bounds, self.description.normal_law())
+            }
+            (None, fraction, choice, None) if fraction.is_some() != choice.is_some() => {
+                let key = if choice.is_some() { "scene.time_step" } else { "scene.time_step_fraction" };
+                let needs =
+                    "needs at least one shape, one material with density and their material_pair; give time_step_s";
+                problems.add(key, needs);
                 return 0.0;
             }
             _ => {
-                problems.add("scene", "give time_step_s or time_step_fraction, not both");
+                problems.add("scene", "give exactly one of time_step_s, time_step_fraction and time_step = \"auto\"");
                 return 0.0;
             }
         };

@@ -39,6 +39,7 @@ pub struct Shape {
     mass_properties: MassProperties,
     bounding_radius: f64,
     leverage: Leverage,
+    half_thickness: f64,
     given_from_body: (Quat, Vec3),
 }
 
@@ -99,7 +100,8 @@ impl Shape {
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(axes);
         let given_from_body = (Quat::from_rotation_matrix(&rotation), center);
         let leverage = Leverage::of(&parts, &mass_properties);
-        Ok(Self { parts, mass_properties, bounding_radius, leverage, given_from_body })
+        let half_thickness = parts.iter().map(Part::half_thickness).fold(f64::INFINITY, f64::min);
+        Ok(Self { parts, mass_properties, bounding_radius, leverage, half_thickness, given_from_body })
     }
 
     /// Convex parts, in the body frame.
@@ -120,6 +122,11 @@ impl Shape {
     /// What rotation adds to the give of a contact, at its worst place.
     pub fn leverage(&self) -> Leverage {
         self.leverage
+    }
+
+    /// Of the thinnest part, m at unit scale: what moves by less in a step cannot pass through without being seen.
+    pub fn half_thickness(&self) -> f64 {
+        self.half_thickness
     }
 
     /// Rotation and translation from the body frame to the frame of the description: `x = rotation * x_body + translation`.
@@ -178,6 +185,18 @@ impl Part {
         match &self.geometry {
             PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } => *radius,
             PartGeometry::Polyhedron(_) | PartGeometry::RoundedPolyhedron(_) => self.radius,
+        }
+    }
+
+    /// Radius of a round part, of the ball about the centroid that a polyhedron holds, of both together where rounded.
+    fn half_thickness(&self) -> f64 {
+        match &self.geometry {
+            PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } => *radius,
+            PartGeometry::Polyhedron(p) => 0.5 * p.inside().inner_diameter,
+            PartGeometry::RoundedPolyhedron(p) => {
+                let inside = p.solid.as_ref().map_or(0.0, |solid| 0.5 * solid.inside().inner_diameter);
+                p.skeleton.radius + inside
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod degenerate;
+mod extremes;
 mod glued;
 mod hertz;
 mod impact;
@@ -161,6 +162,7 @@ pub fn registry() -> Vec<Case> {
         sliding::cases(),
         stability::cases(),
         degenerate::cases(),
+        extremes::cases(),
         periodic::cases(),
         refusals::cases(),
         size_ratio::cases(),
