@@ -105,8 +105,6 @@ pub fn drift(
         odometer,
         ..
     } = particles;
-    let (force, torque, shape, scale) = (&*force, &*torque, &*shape, &*scale);
-    let (radius, mass, inertia) = (&*radius, &*mass, &*inertia);
     let rows = (
         position[..n].par_iter_mut(),
         velocity[..n].par_iter_mut(),
