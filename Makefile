@@ -13,7 +13,7 @@ help:
 	@echo "make demo      a drum of crosses, steered from Python: pictures, fields and a report in $(DEMO_OUT)"
 	@echo "make test      all the tests"
 	@echo "make lint      format and lints of Rust and Python"
-	@echo "make bench     the workloads W1 to W4 on one and two threads (minutes; settles its beds first)"
+	@echo "make bench     the workloads on one and two threads (half an hour; settles its beds first)"
 	@echo "make validate  the fast cases of closed forms and papers; tables in out/validation.json"
 
 # Made anew when the package's requirements change.

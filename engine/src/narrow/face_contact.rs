@@ -111,7 +111,7 @@ impl<'p> FaceContact<'p> {
         let outline = clip(&incident, reference.corners(), near);
         let labels =
             Labels { contact: self, reference: reference.corners(), incident: incident.corners(), near2: near * near };
-        let corners = outline.corners();
+        let (corners, first) = (outline.corners(), out.len());
         let n = corners.len();
         if n == 0 {
             return;
@@ -138,7 +138,7 @@ impl<'p> FaceContact<'p> {
             }
             if overlap > 0.0 {
                 let position = self.frame.point(leader, leader.height + 0.5 * overlap);
-                out.push(self.contact(position, overlap, share + near, feature));
+                push_or_join(out, first, self.contact(position, overlap, share + near, feature));
             }
         }
     }
@@ -175,10 +175,38 @@ impl Labels<'_> {
                 let (r, i) = (reference.edge(r), incident.edge(i));
                 if reference.b_to_a.is_none() { FeatureKey::edges(r, i) } else { FeatureKey::edges(i, r) }
             }
-            // between two sides of one face lies its vertex, up to rounding
-            (Side::Incident(_), Side::Incident(k)) => incident.vertex_key(k as usize),
-            (Side::Reference(_), Side::Reference(k)) => reference.vertex_key(k as usize),
+            // Between two sides of one face lies a vertex of it, up to rounding and to what clipping lets stand; not always
+            // the one where the second side starts.
+            (Side::Incident(_), Side::Incident(_)) => incident.vertex_key(nearest(self.incident, corner)),
+            (Side::Reference(_), Side::Reference(_)) => reference.vertex_key(nearest(self.reference, corner)),
         }
+    }
+}
+
+/// The corner that is nearest across the normal.
+fn nearest(corners: &[Corner], to: &Corner) -> usize {
+    let (mut best, mut least) = (0, f64::MAX);
+    for (k, corner) in corners.iter().enumerate() {
+        let distance2 = corner.lateral2(to);
+        if distance2 < least {
+            (best, least) = (k, distance2);
+        }
+    }
+    best
+}
+
+/// Adds a point to those from `first` on. Two corners may be farther apart than coincident ones and yet lie at the same
+/// vertex: they are one point, as deep as the deeper, or a spring would be carried to both.
+fn push_or_join(out: &mut Manifold, first: usize, point: ManifoldPoint) {
+    match out.points_mut()[first..].iter_mut().find(|known| known.feature == point.feature) {
+        Some(known) => {
+            let share = known.share + point.share;
+            if point.overlap > known.overlap {
+                *known = point;
+            }
+            known.share = share;
+        }
+        None => out.push(point),
     }
 }
 

@@ -229,7 +229,8 @@ pub struct MaterialDescription {
 pub struct MaterialPairDescription {
     /// The two materials (may be the same).
     pub materials: [String; 2],
-    /// Normal stiffness of a single contact point; not with `normal = "hertz"`.
+    /// Normal stiffness: of a single contact point, of a pair of parts under `generalized_overlap`; not with
+    /// `normal = "hertz"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness_n_per_m: Option<f64>,
     /// Coefficient of restitution in (0, 1]; give this or `damping_n_s_per_m`.

@@ -25,7 +25,7 @@ struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     normal: NormalLaw,
     /// Untimed steps before the first block: the bed comes without friction history, and changes its law
-    #[arg(long, default_value_t = 4000)]
+    #[arg(long, default_value_t = 40_000)]
     warm_up: u64,
     /// A few dozen particles instead: a test of the program, no benchmark
     #[arg(long)]

@@ -1,6 +1,6 @@
 //! Random poses of random pairs.
 
-use super::oracle::{brute_force, check_pair, vertices_in_a};
+use super::oracle::{brute_force, check_keys, check_pair, vertices_in_a};
 use super::*;
 use crate::math::parry;
 use proptest::prelude::*;
@@ -88,6 +88,24 @@ fn generic_poses_of_unit_size_agree_with_parry() {
 
 fn random_depth(case: usize) -> f64 {
     10_f64.powf(-1.0 - 2.0 * (case as f64 / 1_000.0))
+}
+
+/// Faces tilted by about the distance at which corners count as coincident: every point has a key of its own. Of 4e5 such
+/// poses 29 had one key twice, some at points 1 m apart, before keys were made sure of.
+#[test]
+fn nearly_aligned_faces_name_each_point_once() {
+    let zoo = [cube(), pinacoid(1.0), part(&ShapeDescription::Octahedron { edge_m: 1.0 }), prism(6, 1.0)];
+    let mut random = Random(99);
+    for case in 0..100_000 {
+        let axis = Vec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(0.0, 1.0));
+        let tilt = 10_f64.powf(random.between(-10.0, -7.5));
+        let translation = Vec3::new([0.0, 0.5][random.below(2)], 0.0, 0.98);
+        let scale = if random.below(2) == 0 { 1.0 } else { random.between(0.3, 2.0) };
+        let pose = Similarity { rotation: rotation(axis, tilt), translation, scale };
+        let (a, b) = (&zoo[random.below(4)], &zoo[random.below(4)]);
+        let manifold = contacts(a, b, &pose);
+        check_keys(&manifold, &format!("case {case}"));
+    }
 }
 
 /// The pinacoid's least axis is often an edge pair, the cube's often a face: both kinds must occur.

@@ -90,7 +90,7 @@ pub(crate) fn check_pair(a: &Part, b: &Part, b_to_a: &Similarity, label: &str) -
     true
 }
 
-fn check_keys(manifold: &Manifold, label: &str) {
+pub fn check_keys(manifold: &Manifold, label: &str) {
     let mut keys: Vec<u32> = manifold.points().iter().map(|p| p.feature.0).collect();
     keys.sort_unstable();
     keys.dedup();
