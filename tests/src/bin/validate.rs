@@ -47,7 +47,9 @@ fn main() -> anyhow::Result<ExitCode> {
     }
     let failed = rows.iter().filter(|row| !row.pass).count();
     let wall_s: f64 = rows.iter().map(|row| row.wall_s).sum();
-    println!("{} comparisons, {failed} failed, {wall_s:.1} s", rows.len());
+    let judged = rows.iter().filter(|row| row.is_judged()).count();
+    let shown = rows.len() - judged;
+    println!("{judged} comparisons, {failed} failed, {shown} figures only shown, {wall_s:.1} s");
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&rows)? + "\n";
         std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
@@ -73,6 +75,10 @@ fn print_row(row: &Row) {
     let mark = if row.pass { "ok  " } else { "FAIL" };
     if row.unit == "true" {
         println!("  {mark} {}", row.metric);
+        return;
+    }
+    if !row.is_judged() {
+        println!("       {:58} {:>15.9e} {}", row.metric, row.value, row.unit);
         return;
     }
     println!(

@@ -1,6 +1,7 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod degenerate;
+mod energy;
 mod extremes;
 mod glued;
 mod hertz;
@@ -17,6 +18,7 @@ mod shapes;
 mod size_ratio;
 mod sliding;
 mod stability;
+mod standing;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -35,7 +37,7 @@ pub struct Row {
     pub value: f64,
     /// What it should give.
     pub reference: f64,
-    /// Allowed distance of the two, in the unit of both.
+    /// Allowed distance of the two, in the unit of both; infinite for figures that are shown and not judged.
     pub tolerance: f64,
     /// Unit; `-` for pure numbers, `true` for statements (1 is true).
     pub unit: &'static str,
@@ -45,6 +47,13 @@ pub struct Row {
     pub wall_s: f64,
     /// Particle-steps since the row before.
     pub particle_steps: u64,
+}
+
+impl Row {
+    /// Whether it compares anything.
+    pub fn is_judged(&self) -> bool {
+        self.tolerance.is_finite()
+    }
 }
 
 /// Takes down what a case measures.
@@ -66,6 +75,11 @@ impl Checks {
     pub fn steps(&mut self, engine: &mut Engine, n: u64) -> anyhow::Result<()> {
         self.particle_steps += n * engine.len() as u64;
         crate::scene::steps(engine, n)
+    }
+
+    /// Counts particle-steps done elsewhere.
+    pub fn count(&mut self, particle_steps: u64) {
+        self.particle_steps += particle_steps;
     }
 
     /// Steps for a duration, met exactly.
@@ -100,6 +114,11 @@ impl Checks {
     /// A number that should be 0, and may be `limit` off.
     pub fn vanishes(&mut self, metric: impl Into<String>, value: f64, limit: f64, unit: &'static str) {
         self.near(metric, value, 0.0, limit, unit);
+    }
+
+    /// A figure for tables, not judged.
+    pub fn shows(&mut self, metric: impl Into<String>, value: f64, unit: &'static str) {
+        self.near(metric, if value.is_finite() { value } else { f64::MAX }, 0.0, f64::INFINITY, unit);
     }
 
     /// A statement.
@@ -167,6 +186,8 @@ pub fn registry() -> Vec<Case> {
         refusals::cases(),
         size_ratio::cases(),
         rounded::cases(),
+        energy::cases(),
+        standing::cases(),
         r518::cases(),
     ]
     .into_iter()

@@ -3,7 +3,8 @@
 use anyhow::{Context, ensure};
 use sturz_engine::math::{Quat, Similarity, Vec3};
 use sturz_engine::narrow::generalized_overlap::{Core, EdgeFade, OverlapGeometry, PNorm, RoundedPair};
-use sturz_engine::shape::{PartGeometry, Shape, ShapeDescription};
+use sturz_engine::narrow::{Manifold, PairCache, collide};
+use sturz_engine::shape::{Part, PartGeometry, Shape, ShapeDescription};
 
 use crate::scene::SceneText;
 
@@ -13,9 +14,12 @@ pub const ROUNDING: f64 = 5e-3;
 /// A shape of unit mass.
 pub struct Solid {
     pub name: &'static str,
-    geometry: String,
+    /// As in a scene.
+    pub geometry: String,
+    /// m^3
+    pub volume: f64,
     core: Core,
-    volume: f64,
+    part: Part,
     rounding_fraction: f64,
 }
 
@@ -33,9 +37,16 @@ pub enum Kind {
     VertexEdge,
     VertexVertex,
     Random,
+    /// Offset and yawed.
+    FaceFace,
+    /// As `FaceFace`, tilted by 1e-3.
+    TiltedThousandth,
+    /// As `FaceFace`, tilted by 1e-2.
+    TiltedHundredth,
 }
 
 impl Kind {
+    /// Of [`Solid::pair`].
     pub const ALL: [Self; 11] = [
         Self::Aligned,
         Self::Offset,
@@ -114,7 +125,8 @@ pub fn solids() -> anyhow::Result<Vec<Solid>> {
         let core = |fraction: f64| Core::new(solid, fraction).map_err(anyhow::Error::msg).context(name);
         let rounding_fraction = ROUNDING / core(1e-3)?.size;
         let volume = shape.mass_properties().volume;
-        Ok(Solid { name, geometry, core: core(rounding_fraction)?, volume, rounding_fraction })
+        let part = shape.parts()[0].clone();
+        Ok(Solid { name, geometry, core: core(rounding_fraction)?, part, volume, rounding_fraction })
     })
     .collect()
 }
@@ -158,9 +170,40 @@ fn standing(up: &Vec3, along: &Vec3, target: &Vec3) -> Quat {
 impl Solid {
     /// A pair of this shape, some 1e-6 to 3e-4 m before it touches: at any phase of a step.
     pub fn pair(&self, kind: Kind, draw: &mut Draw) -> anyhow::Result<Poses> {
+        let (orientation, lateral) = self.facing(kind, draw);
+        let gap = Vec3::z() * (1e-6 + 3e-4 * draw.unit());
+        Ok(Poses { position: [Vec3::zeros(), self.above(&orientation, lateral)? + gap], orientation })
+    }
+
+    /// The same where nothing is rounded, up to `gap` before it touches.
+    pub fn sharp_pair(&self, kind: Kind, gap: f64, draw: &mut Draw) -> anyhow::Result<Poses> {
+        let (orientation, lateral) = self.facing(kind, draw);
+        let gap = Vec3::z() * (gap * draw.unit());
+        Ok(Poses { position: [Vec3::zeros(), self.sharp_above(&orientation, lateral)? + gap], orientation })
+    }
+
+    /// An orientation with a face (tilted about a horizontal axis) down, or a random one, and the height of the
+    /// centroid where the lowest vertex is at z = 0.
+    pub fn on_floor(&self, tilt: Option<f64>, draw: &mut Draw) -> (Quat, f64) {
+        let q = match tilt {
+            Some(tilt) => {
+                let (down, _, along) = feature(&self.core, 0, draw);
+                let axis = Vec3::new(draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), 0.0).normalize();
+                Quat::from_scaled_axis(axis * tilt) * standing(&down, &along, &-Vec3::z())
+            }
+            None => Quat::from_scaled_axis(draw.direction() * draw.between(0.0, 3.1)),
+        };
+        let PartGeometry::Polyhedron(solid) = &self.part.geometry else { unreachable!("built as one") };
+        let lowest = solid.vertices().iter().map(|v| (q * v).z).fold(f64::MAX, f64::min);
+        (q, -lowest)
+    }
+
+    /// Orientations of a pair, and the second one's place in x and y.
+    fn facing(&self, kind: Kind, draw: &mut Draw) -> ([Quat; 2], Vec3) {
         use Kind as K;
         let kinds = match kind {
             K::Aligned | K::Offset | K::Yawed | K::Tilted => [0, 0],
+            K::FaceFace | K::TiltedThousandth | K::TiltedHundredth => [0, 0],
             K::EdgeFace => [0, 1],
             K::ParallelEdges | K::CrossedEdges => [1, 1],
             K::VertexFace => [0, 2],
@@ -178,17 +221,20 @@ impl Solid {
         };
         let shift = match kind {
             K::Aligned | K::CrossedEdges => Vec3::zeros(),
-            K::Offset | K::Random => sideways(0.25),
+            K::Offset | K::Random | K::FaceFace | K::TiltedThousandth | K::TiltedHundredth => sideways(0.25),
             K::ParallelEdges => Vec3::x() * sideways(0.3).x,
             K::Yawed | K::Tilted | K::EdgeFace | K::VertexFace => sideways(0.1),
             K::VertexEdge | K::VertexVertex => sideways(2e-3),
         };
+        let tilt = |angle: f64, draw: &mut Draw| {
+            let axis = Vec3::new(draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), 0.0).normalize();
+            Quat::from_scaled_axis(axis * angle)
+        };
         match kind {
             K::Aligned | K::Offset | K::ParallelEdges => {}
-            K::Tilted => {
-                let axis = Vec3::new(draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), 0.0).normalize();
-                b = Quat::from_scaled_axis(axis * 10f64.powf(draw.between(-4.0, -1.0))) * b;
-            }
+            K::Tilted => b = tilt(10f64.powf(draw.between(-4.0, -1.0)), draw) * b,
+            K::TiltedThousandth => b = tilt(1e-3, draw) * yaw(draw.between(0.1, 3.0)) * b,
+            K::TiltedHundredth => b = tilt(1e-2, draw) * yaw(draw.between(0.1, 3.0)) * b,
             K::CrossedEdges => b = yaw(draw.between(0.4, 2.7)) * b,
             K::Random => {
                 a = Quat::from_scaled_axis(draw.direction() * draw.between(0.0, 3.1));
@@ -197,29 +243,48 @@ impl Solid {
             _ => b = yaw(draw.between(0.1, 3.0)) * b,
         }
         let flat = if kind == K::Random { Vec3::zeros() } else { a * on_a - b * on_b };
-        let lateral = Vec3::new(flat.x, flat.y, 0.0) + shift;
-        let gap = Vec3::z() * (1e-6 + 3e-4 * draw.unit());
-        Ok(Poses { position: [Vec3::zeros(), self.above(&a, &b, lateral)? + gap], orientation: [a, b] })
+        ([a, b], Vec3::new(flat.x, flat.y, 0.0) + shift)
     }
 
     /// Where the second one is just above its first touch.
-    fn above(&self, a: &Quat, b: &Quat, lateral: Vec3) -> anyhow::Result<Vec3> {
+    fn above(&self, orientation: &[Quat; 2], lateral: Vec3) -> anyhow::Result<Vec3> {
         let geometry =
             OverlapGeometry { norm: PNorm::new(8.0), fade: EdgeFade { angle_factor: 2.0, reach_factor: 0.5 } };
         let mut terms = Vec::new();
+        // in steps below the thickness of the rounding: deeper, the law has no meaning
+        self.lowered(orientation, lateral, 0.5 * ROUNDING, |pose| {
+            RoundedPair { a: &self.core, b: &self.core, b_to_a: pose, geometry: &geometry }.all_terms(&mut terms);
+            !terms.is_empty()
+        })
+    }
+
+    fn sharp_above(&self, orientation: &[Quat; 2], lateral: Vec3) -> anyhow::Result<Vec3> {
+        let mut manifold = Manifold::default();
+        self.lowered(orientation, lateral, 0.02, |pose| {
+            manifold.clear();
+            collide(&self.part, &self.part, pose, &mut PairCache::default(), &mut manifold);
+            !manifold.is_empty()
+        })
+    }
+
+    /// Lowers the second one in steps until the two touch, and halves the last step down to rounding.
+    fn lowered(
+        &self,
+        [a, b]: &[Quat; 2],
+        lateral: Vec3,
+        step: f64,
+        mut touch: impl FnMut(&Similarity) -> bool,
+    ) -> anyhow::Result<Vec3> {
         let mut touches = |height: f64| {
             let rotation = *(a.inverse() * b).to_rotation_matrix().matrix();
-            let pose = Similarity::rigid(rotation, a.inverse() * (lateral + Vec3::z() * height));
-            RoundedPair { a: &self.core, b: &self.core, b_to_a: &pose, geometry: &geometry }.all_terms(&mut terms);
-            !terms.is_empty()
+            touch(&Similarity::rigid(rotation, a.inverse() * (lateral + Vec3::z() * height)))
         };
-        // from above in steps below the thickness of the rounding: deeper, the law has no meaning
         let mut low = 2.5;
         while !touches(low) {
-            low -= 0.5 * ROUNDING;
+            low -= step;
             ensure!(low > -2.5, "{}: the two pass each other", self.name);
         }
-        let mut high = low + 0.5 * ROUNDING;
+        let mut high = low + step;
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if touches(middle) { low = middle } else { high = middle }

@@ -43,6 +43,11 @@ impl ActiveTerms {
         self.valid = false;
     }
 
+    /// Whether it holds a list.
+    pub fn knows_something(&self) -> bool {
+        self.valid
+    }
+
     /// Writes the overlapping terms of the pair into `out`, in the order of their codes.
     #[inline]
     pub fn evaluate(&mut self, pair: &RoundedPair<'_>, scratch: &mut Scratch, out: &mut Vec<Term>) {
