@@ -67,8 +67,8 @@ pub(super) fn evaluate_overlaps(
         sums.points_by_kind[1] += u64::from(contact.points[0] - contact.points[1]);
         sums.points_by_kind[2] += u64::from(contact.points[1]);
         sums.take_overlap(contact.overlap, pair.smaller_radius, index);
-        // at a wall the law has no end
-        if pair.b.is_some() {
+        // at a wall, and without rounding, the law has no end
+        if pair.b.is_some() && contact.radius_sum > 0.0 {
             sums.take_rounding(contact.overlap / (0.5 * contact.radius_sum), index);
         }
     }

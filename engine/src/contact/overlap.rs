@@ -5,9 +5,11 @@ use super::table::Slot;
 use crate::boundary::WallShape;
 use crate::math::{Mat3, Vec3};
 use crate::narrow::generalized_overlap::{
-    ActiveTerms, Core, OverlapPoint, RoundedPair, Scratch, Term, aggregate, polyhedron_cylinder, polyhedron_plane,
+    ActiveTerms, Core, Overlap, OverlapGeometry, OverlapPoint, RoundedPair, Scratch, Term, aggregate, polyhedron_cylinder,
+    polyhedron_plane,
 };
-use crate::scene::RoundedShapes;
+use crate::narrow::overlap_volume::{Cutter, SharedFacet, SharedVolume};
+use crate::scene::{RoundedShapes, WallOverlap};
 use crate::shape::PartGeometry;
 
 /// A touching pair of rounded polyhedra, or one at a wall. World axes, seen from the centre of `a`.
@@ -45,6 +47,8 @@ pub struct OverlapChunk {
     previous: Vec<OverlapContact>,
     terms: Vec<Term>,
     scratch: Scratch,
+    cutter: Cutter,
+    facets: Vec<SharedFacet>,
 }
 
 /// Frame and unit that terms are in, for their way to world axes about the centre of `a`.
@@ -90,16 +94,19 @@ impl OverlapChunk {
             return;
         }
         let (a_from_b, unit) = particles.a_from_b(a, b, &d);
-        let pair = RoundedPair {
-            a: core(rounded, particles.shape[a], slot.part_a),
-            b: core(rounded, particles.shape[b], slot.part_b),
-            b_to_a: &a_from_b,
-            geometry: &rounded.geometry,
+        let core_a = core(rounded, particles.shape[a], slot.part_a);
+        let core_b = core(rounded, particles.shape[b], slot.part_b);
+        let mut frame =
+            TermFrame { rotation: particles.rotation[a], centre: Vec3::zeros(), unit, radius_sum: 0.0 };
+        let Some(geometry) = &rounded.geometry else {
+            let area = core_a.face_area.min(core_b.face_area * a_from_b.scale * a_from_b.scale);
+            let shared = self.cutter.pair((core_a.solid(), core_b.solid()), &a_from_b, &mut self.facets);
+            return self.push_volume(index, &frame, shared, area);
         };
+        let pair = RoundedPair { a: core_a, b: core_b, b_to_a: &a_from_b, geometry };
         self.active[index as usize].evaluate(&pair, &mut self.scratch, &mut self.terms);
-        let rotation = particles.rotation[a];
-        let frame = TermFrame { rotation, centre: Vec3::zeros(), unit, radius_sum: pair.radius() };
-        self.push(index, &frame, rounded);
+        frame.radius_sum = pair.radius();
+        self.push_terms(index, &frame, geometry);
     }
 
     /// A rounded polyhedron at a wall.
@@ -116,28 +123,79 @@ impl OverlapChunk {
             boundary.wall_from_body(&particles.position[a], &particles.rotation[a], particles.scale[a]);
         let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
         let PartGeometry::Polyhedron(solid) = &part.geometry else { unreachable!("only polyhedra have cores") };
-        match boundary.shape {
-            WallShape::Plane => polyhedron_plane(solid, &wall_from_body, &mut self.terms),
-            WallShape::CylinderInside(radius) => {
-                polyhedron_cylinder(solid, &wall_from_body, radius, &mut self.terms);
-            }
-        }
         let frame = TermFrame {
             rotation: boundary.rotation,
             centre: wall_from_body.translation,
             unit: 1.0,
             radius_sum: core.radius * particles.scale[a],
         };
-        self.push(index, &frame, rounded);
+        let area = core.face_area * particles.scale[a] * particles.scale[a];
+        match (boundary.shape, &rounded.geometry) {
+            (WallShape::Plane, None) => {
+                let shared = self.cutter.below_plane(solid, &wall_from_body, true, &mut self.facets);
+                return self.push_volume(index, &frame, shared, area);
+            }
+            (WallShape::Plane, Some(_)) if rounded.walls == WallOverlap::Winkler => {
+                let shared = self.cutter.below_plane(solid, &wall_from_body, false, &mut self.facets);
+                return self.push_winkler(index, &frame, shared, area);
+            }
+            (WallShape::Plane, Some(_)) => polyhedron_plane(solid, &wall_from_body, &mut self.terms),
+            (WallShape::CylinderInside(radius), _) => {
+                polyhedron_cylinder(solid, &wall_from_body, radius, &mut self.terms);
+            }
+        }
+        let geometry = rounded.geometry.as_ref().expect("scenes with volumes have planes only");
+        self.push_terms(index, &frame, geometry);
+    }
+
+    /// D = V/A.
+    fn push_volume(&mut self, index: u32, frame: &TermFrame, shared: Option<SharedVolume>, area: f64) {
+        let Some(shared) = shared else { return };
+        let first = self.points.len();
+        self.points.extend(self.facets.iter().map(|facet| OverlapPoint {
+            position: facet.position,
+            normal: -facet.normal,
+            share: facet.area / area,
+            rocking: 0.0,
+        }));
+        let overlap =
+            Overlap { value: shared.volume / area, force: -shared.area / area, moment: -shared.moment / area };
+        self.push(index, frame, &overlap, first, 0);
+    }
+
+    /// D^2 = (integral of the squared depth over the plane)/A = 2 V z/A, z the depth of the centroid. Its gradient acts
+    /// there, as buoyancy does. Each facet that faces the plane is a point of the area that it covers there.
+    fn push_winkler(&mut self, index: u32, frame: &TermFrame, shared: Option<SharedVolume>, area: f64) {
+        let Some(shared) = shared.filter(|shared| shared.centroid.z < 0.0) else { return };
+        let value = (-2.0 * shared.volume * shared.centroid.z / area).sqrt();
+        let first = self.points.len();
+        self.points.extend(self.facets.iter().filter(|facet| facet.normal.z < 0.0).map(|facet| {
+            let [depth, covered] = [-facet.position.z, -facet.normal.z * facet.area];
+            OverlapPoint {
+                position: facet.position + Vec3::z() * (0.5 * depth),
+                normal: -Vec3::z(),
+                share: covered * depth / (area * value),
+                rocking: covered / area,
+            }
+        }));
+        let force = Vec3::z() * (-shared.volume / (area * value));
+        let overlap = Overlap { value, force, moment: shared.centroid.cross(&force) };
+        self.push(index, frame, &overlap, first, 0);
     }
 
     /// Adds the terms up and appends the contact, if there are any.
-    fn push(&mut self, index: u32, frame: &TermFrame, rounded: &RoundedShapes) {
+    fn push_terms(&mut self, index: u32, frame: &TermFrame, geometry: &OverlapGeometry) {
         if self.terms.is_empty() {
             return;
         }
         let first = self.points.len();
-        let overlap = aggregate(&self.terms, &rounded.geometry.norm, &mut self.points);
+        let overlap = aggregate(&self.terms, &geometry.norm, &mut self.points);
+        let edges = self.terms.iter().filter(|term| term.is_edges).count();
+        self.push(index, frame, &overlap, first, edges);
+    }
+
+    /// Carries overlap and points to world axes; the points are those from `first` on, `edges` of them edge pairs.
+    fn push(&mut self, index: u32, frame: &TermFrame, overlap: &Overlap, first: usize, edges: usize) {
         let arm = |x: &Vec3| frame.rotation * ((x - frame.centre) * frame.unit);
         for point in &mut self.points[first..] {
             point.position = arm(&point.position);
@@ -147,7 +205,7 @@ impl OverlapChunk {
         self.contacts.push(OverlapContact {
             slot: index,
             first_point: first as u32,
-            points: [self.terms.len() as u32, self.terms.iter().filter(|term| term.is_edges).count() as u32],
+            points: [(self.points.len() - first) as u32, edges as u32],
             overlap: overlap.value * frame.unit,
             radius_sum: frame.radius_sum * frame.unit,
             force: frame.rotation * overlap.force,

@@ -11,6 +11,7 @@ mod face_contact;
 pub mod features;
 pub mod generalized_overlap;
 mod manifold;
+pub mod overlap_volume;
 mod polyhedron_polyhedron;
 mod round;
 mod separating_axis;

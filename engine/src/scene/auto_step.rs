@@ -10,18 +10,18 @@ pub(super) const STEPS_PER_CONTACT: f64 = 50.0;
 /// critical one of a single contact by the root of it.
 pub(super) fn contacts_per_body(law: NormalLaw) -> f64 {
     match law {
-        NormalLaw::Linear | NormalLaw::Hertz => 12.0,
+        NormalLaw::Linear | NormalLaw::FeaturePairs | NormalLaw::Hertz => 12.0,
         // Its bound counts all contacts of a pair in: packings were stable up to 0.95 of it.
-        NormalLaw::GeneralizedOverlap => 1.1,
+        NormalLaw::GeneralizedOverlap | NormalLaw::Volume => 1.1,
     }
 }
 
 /// The step of `time_step = "auto"`, s.
 pub(super) fn chosen_time_step(bounds: &ContactBounds, law: NormalLaw) -> f64 {
     let most = match law {
-        NormalLaw::Linear | NormalLaw::Hertz => contacts_per_body(law).sqrt().recip(),
+        NormalLaw::Linear | NormalLaw::FeaturePairs | NormalLaw::Hertz => contacts_per_body(law).sqrt().recip(),
         // below the 0.95 above, for a margin
-        NormalLaw::GeneralizedOverlap => 0.8,
+        NormalLaw::GeneralizedOverlap | NormalLaw::Volume => 0.8,
     };
     (bounds.duration_s / STEPS_PER_CONTACT).min(most * bounds.critical_time_step_s)
 }

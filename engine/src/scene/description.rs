@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CohesionDescription, DampingMass, GeneralizedOverlapSection, HertzSection, NormalLaw, SharingScope};
+use super::{
+    CohesionDescription, DampingMass, FeaturePairsSection, GeneralizedOverlapSection, HertzSection, NormalLaw, SharingScope,
+};
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;
 
@@ -163,6 +165,9 @@ pub struct ContactSection {
     /// Parameters of `normal = "generalized_overlap"`.
     #[serde(skip_serializing_if = "GeneralizedOverlapSection::is_default")]
     pub generalized_overlap: GeneralizedOverlapSection,
+    /// Parameters of `normal = "feature_pairs"`.
+    #[serde(skip_serializing_if = "FeaturePairsSection::is_default")]
+    pub feature_pairs: FeaturePairsSection,
     /// Parameters of `normal = "hertz"`.
     #[serde(skip_serializing_if = "HertzSection::is_default")]
     pub hertz: HertzSection,
@@ -173,6 +178,7 @@ impl Default for ContactSection {
         Self {
             normal: NormalLaw::default(),
             generalized_overlap: GeneralizedOverlapSection::default(),
+            feature_pairs: FeaturePairsSection::default(),
             hertz: HertzSection::default(),
             damping_mass: DampingMass::default(),
             sharing: Sharing::default(),

@@ -11,7 +11,7 @@ pub(crate) use validate::check_motion;
 
 pub use check::SceneCheck;
 pub use description::*;
-pub use normal_law::{GeneralizedOverlapSection, NormalLaw, RoundedShapes};
+pub use normal_law::{FeaturePairsSection, GeneralizedOverlapSection, NormalLaw, RoundedShapes, WallOverlap};
 pub use plan::Plan;
 pub use point_laws::{
     CohesionDescription, DampingMass, HertzSection, PairExtras, PointLaws, PointNormal, SharingScope,

@@ -20,8 +20,41 @@ pub enum NormalLaw {
     /// between polyhedra, gives the restitution asked for in all of them, and lets stacks come to rest.
     #[default]
     GeneralizedOverlap,
+    /// Polyhedra by the volume that they share, W = k/2 (V/A)^2, A the largest face of the smaller-faced part: a potential
+    /// without any rounding, but soft where corners meet, and without a torque against tilting of a full face contact.
+    Volume,
+    /// Polyhedra rounded a little, as with `generalized_overlap`, and a linear spring for each pair of close features.
+    FeaturePairs,
     /// Round parts after Hertz, from the elastic constants of the materials.
     Hertz,
+}
+
+impl NormalLaw {
+    /// Whether the contact of two polyhedra is one number with a potential.
+    pub fn is_by_overlap(self) -> bool {
+        matches!(self, Self::GeneralizedOverlap | Self::Volume)
+    }
+}
+
+/// What a polyhedron meets planes with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WallOverlap {
+    /// The p-norm of the depths of its vertices.
+    #[default]
+    Vertices,
+    /// A bed of springs under it (Winkler): W = k/(2 A) times the integral of the squared depth over the plane, A its
+    /// largest face. Smoother still, and soft at corners. Drums are met with the vertices.
+    Winkler,
+}
+
+/// `[contact.feature_pairs]`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FeaturePairsSection {
+    /// As that of `[contact.generalized_overlap]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rounding_fraction: Option<f64>,
 }
 
 /// `[contact.generalized_overlap]`
@@ -46,6 +79,8 @@ pub struct GeneralizedOverlapSection {
     /// D0 over the sum of the rounding radii of a pair (the one radius at a wall); to be near the deepest overlap of
     /// the scene, because the critical step holds up to there. Unused with exponent 1.
     pub reference_overlap_fraction: f64,
+    /// What polyhedra meet planes with.
+    pub walls: WallOverlap,
 }
 
 impl Default for GeneralizedOverlapSection {
@@ -58,6 +93,7 @@ impl Default for GeneralizedOverlapSection {
             rocking_damping: 1.0,
             exponent: 1.0,
             reference_overlap_fraction: 0.8,
+            walls: WallOverlap::Vertices,
         }
     }
 }
@@ -67,8 +103,10 @@ impl Default for GeneralizedOverlapSection {
 pub struct RoundedShapes {
     /// By shape and part; `None` for round parts.
     pub cores: Vec<Vec<Option<Core>>>,
-    /// Parameters of the overlap.
-    pub geometry: OverlapGeometry,
+    /// What the overlap of two parts is; `None` for their shared volume.
+    pub geometry: Option<OverlapGeometry>,
+    /// What it is at planes, where it is not the volume.
+    pub walls: WallOverlap,
     /// From overlap to force.
     pub law: OverlapLaw,
 }
@@ -85,12 +123,16 @@ impl RoundedShapes {
         shapes: &[Shape],
         errors: &mut Vec<InvalidInput>,
     ) -> Option<Self> {
-        if description.normal_law() != NormalLaw::GeneralizedOverlap {
+        let normal = description.normal_law();
+        if !normal.is_by_overlap() {
             return None;
         }
         let section = &description.contact.generalized_overlap;
         let mut core = |shape: usize, part: usize, geometry: &PartGeometry| {
             let PartGeometry::Polyhedron(solid) = geometry else { return None };
+            if normal == NormalLaw::Volume {
+                return Some(Core::sharp(solid));
+            }
             section
                 .core(solid)
                 .map_err(|reason| {
@@ -117,13 +159,20 @@ impl RoundedShapes {
             .map(|(s, shape)| shape.parts().iter().enumerate().map(|(k, part)| core(s, k, &part.geometry)).collect())
             .collect();
         let fade = EdgeFade { angle_factor: section.edge_angle_factor, reach_factor: section.edge_fade_factor };
-        let geometry = OverlapGeometry { norm: PNorm::new(section.p), fade };
-        let law = OverlapLaw {
-            exponent: if section.exponent == 1.0 { Exponent::One } else { Exponent::ThreeHalves },
-            reference_fraction: section.reference_overlap_fraction,
-            rocking: section.rocking_damping,
+        let norm = OverlapGeometry { norm: PNorm::new(section.p), fade };
+        let (geometry, law) = match normal {
+            // several points of it are one face: nothing rocks between them
+            NormalLaw::Volume => (None, OverlapLaw { exponent: Exponent::One, reference_fraction: 1.0, rocking: 0.0 }),
+            _ => (
+                Some(norm),
+                OverlapLaw {
+                    exponent: if section.exponent == 1.0 { Exponent::One } else { Exponent::ThreeHalves },
+                    reference_fraction: section.reference_overlap_fraction,
+                    rocking: section.rocking_damping,
+                },
+            ),
         };
-        Some(Self { cores, geometry, law })
+        Some(Self { cores, geometry, walls: section.walls, law })
     }
 }
 
@@ -136,27 +185,69 @@ impl SceneDescription {
     /// The normal law in effect: without polyhedra that could meet by generalized overlap the linear one.
     pub fn normal_law(&self) -> NormalLaw {
         match self.contact.normal {
-            NormalLaw::GeneralizedOverlap if !self.shapes.iter().any(|shape| shape.geometry.has_sharp_part()) => {
+            law if law.is_by_overlap() && !self.shapes.iter().any(|shape| shape.geometry.has_sharp_part()) => {
                 NormalLaw::Linear
             }
+            // the law of its points; the rounding is the shapes'
+            NormalLaw::FeaturePairs => NormalLaw::Linear,
             law => law,
         }
     }
 }
 
-impl GeneralizedOverlapSection {
-    /// The core of a part, rounded as asked for; without a wish by as much as the part allows.
-    fn core(&self, solid: &Polyhedron) -> Result<Core, String> {
-        let Some(fraction) = self.rounding_fraction else {
-            let mut fraction = DEFAULT_ROUNDING;
-            loop {
-                match Core::new(solid, fraction) {
-                    Err(_) if fraction > LEAST_ROUNDING => fraction = LEAST_ROUNDING.max(0.5 * fraction),
-                    outcome => return outcome,
-                }
+/// The core of a part, rounded as asked for; without a wish by as much as the part allows.
+pub(super) fn core(solid: &Polyhedron, rounding_fraction: Option<f64>) -> Result<Core, String> {
+    let Some(fraction) = rounding_fraction else {
+        let mut fraction = DEFAULT_ROUNDING;
+        loop {
+            match Core::new(solid, fraction) {
+                Err(_) if fraction > LEAST_ROUNDING => fraction = LEAST_ROUNDING.max(0.5 * fraction),
+                outcome => return outcome,
             }
+        }
+    };
+    Core::new(solid, fraction)
+}
+
+impl FeaturePairsSection {
+    /// Whether it says what an absent section says.
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The shapes with their sharp parts rounded, for contact; mass properties stay those of the sharp ones.
+    pub(super) fn round(
+        &self,
+        description: &SceneDescription,
+        shapes: Vec<Shape>,
+        errors: &mut Vec<InvalidInput>,
+    ) -> Vec<Shape> {
+        if description.contact.normal != NormalLaw::FeaturePairs {
+            return shapes;
+        }
+        let fraction = self.rounding_fraction;
+        if let Some(fraction) = fraction.filter(|fraction| !(1e-6..=0.25).contains(fraction)) {
+            let problem = format!("is {fraction}; must be in [1e-6, 0.25]");
+            errors.push(InvalidInput::new("contact.feature_pairs.rounding_fraction", problem));
+            return shapes;
+        }
+        let round = |(k, shape): (usize, Shape)| {
+            shape.with_rounded_parts(|solid| core(solid, fraction).map(|core| (core.solid().clone(), core.radius))).unwrap_or_else(
+                |reason| {
+                    let name = &description.shapes[k].name;
+                    let problem = format!("cannot round shape '{name}': {reason}");
+                    errors.push(InvalidInput::new("contact.feature_pairs", problem));
+                    shape
+                },
+            )
         };
-        Core::new(solid, fraction)
+        shapes.into_iter().enumerate().map(round).collect()
+    }
+}
+
+impl GeneralizedOverlapSection {
+    fn core(&self, solid: &Polyhedron) -> Result<Core, String> {
+        core(solid, self.rounding_fraction)
     }
 
     /// Rounding over the inner diameter, where no part stands against it.

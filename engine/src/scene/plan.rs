@@ -97,8 +97,14 @@ fn normal_law(description: &SceneDescription) -> String {
     let contact = &description.contact;
     let section = &contact.generalized_overlap;
     let end = format!("contact end {:?}", contact.contact_end).to_lowercase();
+    if contact.normal == NormalLaw::FeaturePairs {
+        return format!("normal law: polyhedra rounded, linear spring and dashpot for each pair of features, {end}");
+    }
     match description.normal_law() {
-        NormalLaw::Linear => format!("normal law: linear spring and dashpot, {end}"),
+        NormalLaw::Volume => format!(
+            "normal law: polyhedra by their shared volume; linear spring and dashpot where a part is round; {end}"
+        ),
+        NormalLaw::Linear | NormalLaw::FeaturePairs => format!("normal law: linear spring and dashpot, {end}"),
         NormalLaw::Hertz => format!("normal law: Hertz, {end}"),
         NormalLaw::GeneralizedOverlap => format!(
             "normal law: polyhedra by generalized overlap (p {}, rounded by {:.2e} of the inner diameter{}, exponent {}); linear spring and dashpot where a part is round; {end}",

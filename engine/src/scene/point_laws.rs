@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{MaterialPairDescription, NormalLaw, SceneDescription, Sharing, Tangential};
+use super::{BoundaryGeometry, MaterialPairDescription, NormalLaw, SceneDescription, Sharing, Tangential};
 use crate::contact::law::{CohesionLaw, Elastic, HertzPair, PairLaw, RollingLaw};
 use crate::error::InvalidInput;
 use crate::shape::{Part, PartGeometry, Shape};
@@ -232,21 +232,21 @@ fn check_contact(description: &SceneDescription, errors: &mut Vec<InvalidInput>)
         let problem = "\"bodies\" is for normal = \"linear\" with sharing = \"model_b\" or \"max_overlap_shared\"";
         errors.push(InvalidInput::new("contact.sharing_scope", problem));
     }
-    let overlaps = description.normal_law() == NormalLaw::GeneralizedOverlap;
+    let overlaps = description.normal_law().is_by_overlap();
     if overlaps && contact.sharing != Sharing::PerPoint {
         let problem =
-            "is for points, which generalized_overlap (the default of polyhedra) has none of: give normal = \"linear\"";
+            "is for points, which generalized_overlap (the default of polyhedra) and volume have none of: give normal = \"linear\"";
         errors.push(InvalidInput::new("contact.sharing", problem));
     }
     let fits = match description.normal_law() {
-        NormalLaw::Linear => contact.tangential != Tangential::Mindlin,
+        NormalLaw::Linear | NormalLaw::FeaturePairs => contact.tangential != Tangential::Mindlin,
         NormalLaw::Hertz => contact.tangential != Tangential::CoulombHistory,
-        NormalLaw::GeneralizedOverlap => {
+        NormalLaw::GeneralizedOverlap | NormalLaw::Volume => {
             matches!(contact.tangential, Tangential::CoulombHistory | Tangential::None)
         }
     };
     if !fits {
-        let allowed = "linear takes coulomb_history, viscous or none; hertz takes mindlin, viscous or none; generalized_overlap (the default of polyhedra) takes coulomb_history or none";
+        let allowed = "linear takes coulomb_history, viscous or none; hertz takes mindlin, viscous or none; generalized_overlap (the default of polyhedra) and volume take coulomb_history or none";
         errors.push(InvalidInput::new("contact.tangential", format!("does not go with this normal law: {allowed}")));
     }
 }
@@ -281,10 +281,10 @@ fn check_pair(
             "is read by tangential = \"viscous\" only; give tangential_damping_ratio",
         );
     }
-    if description.normal_law() == NormalLaw::GeneralizedOverlap && has_extras(pair) {
+    if description.normal_law().is_by_overlap() && has_extras(pair) {
         refuse(
             "rolling_friction",
-            "and cohesion do not go with generalized_overlap, the default of polyhedra: give normal = \"linear\"",
+            "and cohesion do not go with generalized_overlap, the default of polyhedra, or volume: give normal = \"linear\"",
         );
     }
     let hertz = description.normal_law() == NormalLaw::Hertz;
@@ -303,10 +303,12 @@ fn check_pair(
     }
 }
 
-/// Hertz knows round parts only.
+/// Hertz knows round parts only, the shared volume polyhedra and planes.
 pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> Vec<InvalidInput> {
-    if description.normal_law() != NormalLaw::Hertz {
-        return Vec::new();
+    match description.normal_law() {
+        NormalLaw::Hertz => {}
+        NormalLaw::Volume => return check_boundaries_of_volume(description),
+        _ => return Vec::new(),
     }
     let flat = |shape: &Shape| shape.parts().iter().any(|part| matches!(part.geometry, PartGeometry::Polyhedron(_)));
     let flat = shapes.iter().enumerate().filter(|(_, shape)| flat(shape));
@@ -314,6 +316,17 @@ pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> 
         InvalidInput::new(format!("shape[{k}].geometry"), "has a polyhedron; normal = \"hertz\" is for round parts")
     })
     .collect()
+}
+
+fn check_boundaries_of_volume(description: &SceneDescription) -> Vec<InvalidInput> {
+    let curved = |geometry: &BoundaryGeometry| matches!(geometry, BoundaryGeometry::CylinderInside { .. });
+    let curved = description.boundaries.iter().enumerate().filter(|(_, boundary)| curved(&boundary.geometry));
+    curved
+        .map(|(k, _)| {
+            let problem = "is curved; normal = \"volume\" meets planes only: give another law or planes";
+            InvalidInput::new(format!("boundary[{k}].geometry"), problem)
+        })
+        .collect()
 }
 
 /// One sentence for each of these laws that the scene names.

@@ -92,6 +92,7 @@ impl Scene {
                     .ok()
             })
             .collect();
+        let shapes = description.contact.feature_pairs.round(&description, shapes, &mut problems.0);
         check_skeletons(&shapes, &mut problems);
         let pairs = build_pairs(&description, &mut problems);
         if !problems.0.is_empty() {

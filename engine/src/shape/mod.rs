@@ -104,6 +104,25 @@ impl Shape {
         Ok(Self { parts, mass_properties, bounding_radius, leverage, half_thickness, given_from_body })
     }
 
+    /// The same body with its polyhedra rounded: `round` gives the core of each and the radius of the ball swept over
+    /// it. Mass properties stay.
+    pub(crate) fn with_rounded_parts(
+        &self,
+        mut round: impl FnMut(&Polyhedron) -> Result<(Polyhedron, f64), String>,
+    ) -> Result<Self, String> {
+        let mut new = self.clone();
+        for part in &mut new.parts {
+            let PartGeometry::Polyhedron(solid) = &part.geometry else { continue };
+            let (core, radius) = round(solid)?;
+            let skeleton = Skeleton::of_polyhedron(&core, radius)
+                .ok_or_else(|| format!("it has more than {MAX_FEATURES} features"))?;
+            let rounded = RoundedPolyhedron { skeleton, solid: Some(core) };
+            *part = Part::new(PartGeometry::RoundedPolyhedron(Box::new(rounded)));
+        }
+        new.leverage = Leverage::of(&new.parts, &new.mass_properties);
+        Ok(new)
+    }
+
     /// Convex parts, in the body frame.
     pub fn parts(&self) -> &[Part] {
         &self.parts

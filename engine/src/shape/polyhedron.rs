@@ -132,6 +132,14 @@ impl Polyhedron {
         new
     }
 
+    /// Area of a face.
+    pub fn face_area(&self, face: usize) -> f64 {
+        let corners = self.face_vertices(face);
+        let at = |k: usize| self.vertices[corners[k % corners.len()] as usize];
+        let fan = (1..corners.len() - 1).map(|k| (at(k) - at(0)).cross(&(at(k + 1) - at(0))));
+        0.5 * fan.sum::<Vec3>().norm()
+    }
+
     fn find_parallels(&mut self) {
         self.parallel_edges = parallels(self.edges.iter().map(|e| e.direction));
         self.parallel_faces = parallels(self.faces.iter().map(|f| f.normal));

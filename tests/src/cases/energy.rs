@@ -33,13 +33,20 @@ struct Law {
     gated: bool,
 }
 
-const LAWS: [Law; 6] = [
+const LAWS: [Law; 9] = [
     Law { name: "generalized_overlap", contact: "normal = \"generalized_overlap\"", gated: true },
     Law {
         name: "generalized_overlap, exponent 1.5",
         contact: "generalized_overlap = { exponent = 1.5, reference_overlap_fraction = 0.1 }",
         gated: true,
     },
+    Law {
+        name: "generalized_overlap, winkler",
+        contact: "generalized_overlap = { walls = \"winkler\" }",
+        gated: true,
+    },
+    Law { name: "feature_pairs", contact: "normal = \"feature_pairs\"", gated: false },
+    Law { name: "volume", contact: "normal = \"volume\"", gated: false },
     Law { name: "linear, per_point", contact: "normal = \"linear\"", gated: false },
     Law { name: "linear, model_a", contact: "normal = \"linear\"\nsharing = \"model_a\"", gated: false },
     Law { name: "linear, model_b", contact: "normal = \"linear\"\nsharing = \"model_b\"", gated: false },

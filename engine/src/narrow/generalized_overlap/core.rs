@@ -15,19 +15,30 @@ pub struct Core {
     pub size: f64,
     /// Largest distance of a vertex of the core from the origin of the body frame, m.
     pub reach: f64,
+    /// Area of the largest face of the part, m2.
+    pub face_area: f64,
     edge_lengths: Vec<f64>,
 }
 
 impl Core {
     /// The core of a part; `rounding_fraction` is r over the part's inner diameter.
     pub fn new(part: &Polyhedron, rounding_fraction: f64) -> Result<Self, String> {
+        let radius = rounding_fraction * part.inside().inner_diameter;
+        Ok(Self::of(part, part.inset(radius)?, radius))
+    }
+
+    /// The part as it is, for laws that round nothing.
+    pub fn sharp(part: &Polyhedron) -> Self {
+        Self::of(part, part.clone(), 0.0)
+    }
+
+    fn of(part: &Polyhedron, solid: Polyhedron, radius: f64) -> Self {
         let size = part.inside().inner_diameter;
-        let radius = rounding_fraction * size;
-        let solid = part.inset(radius)?;
         let reach = solid.vertices().iter().map(|v| v.norm()).fold(0.0, f64::max);
         let length = |[v, w]: [u32; 2]| (solid.vertices()[v as usize] - solid.vertices()[w as usize]).norm();
         let edge_lengths = solid.edges().iter().map(|e| length(e.vertices)).collect();
-        Ok(Self { solid, radius, size, reach, edge_lengths })
+        let face_area = (0..part.faces().len()).map(|face| part.face_area(face)).fold(0.0, f64::max);
+        Self { solid, radius, size, reach, face_area, edge_lengths }
     }
 
     /// The polyhedron.
