@@ -63,6 +63,7 @@ impl Scene {
                 100.0 * ratio
             ));
         }
+        warnings.extend(self.resolution().and_then(|resolution| resolution.warning()));
         SceneCheck {
             plan: self.plan().lines.clone(),
             particles: self.particles().len() as u64,

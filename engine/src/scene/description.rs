@@ -98,6 +98,14 @@ pub struct DomainSection {
     /// Which of x, y, z are periodic.
     #[serde(default)]
     pub periodic: [bool; 3],
+    /// Where the scene is in the user's own coordinates. Every position in the scene, in commands, frames and grids is
+    /// relative to it: far from the origin of a map, overlaps keep all their digits.
+    #[serde(default, skip_serializing_if = "is_origin")]
+    pub origin_m: [f64; 3],
+}
+
+fn is_origin(origin_m: &[f64; 3]) -> bool {
+    *origin_m == [0.0; 3]
 }
 
 /// How the points of one manifold share the stiffness of the pair (PHYSICS.md A.2).

@@ -6,6 +6,7 @@ mod description;
 mod normal_law;
 mod plan;
 mod point_laws;
+mod resolution;
 mod validate;
 pub(crate) use validate::check_motion;
 

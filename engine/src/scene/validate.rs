@@ -123,6 +123,7 @@ impl Scene {
         if problems.0.is_empty() {
             scene.place_particles(&mut problems);
             scene.time_step_s = scene.choose_time_step(&mut problems);
+            problems.0.extend(scene.resolution().and_then(|resolution| resolution.refusal()));
         }
         if problems.0.is_empty() { Ok(scene) } else { Err(InvalidScene(problems.0)) }
     }
@@ -401,6 +402,7 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
     let domain = &description.domain;
     problems.finite("domain.min_m", &domain.min_m);
     problems.finite("domain.max_m", &domain.max_m);
+    problems.finite("domain.origin_m", &domain.origin_m);
     for axis in (0..3).filter(|&axis| domain.periodic[axis]) {
         if domain.max_m[axis] <= domain.min_m[axis] {
             problems.add(format!("domain.max_m[{axis}]"), "must be above domain.min_m along a periodic axis");

@@ -9,6 +9,7 @@ mod impact;
 mod periodic;
 mod r518;
 mod refusals;
+mod remote;
 mod resistance;
 mod restitution;
 mod rotation;
@@ -184,6 +185,7 @@ pub fn registry() -> Vec<Case> {
         extremes::cases(),
         periodic::cases(),
         refusals::cases(),
+        remote::cases(),
         size_ratio::cases(),
         rounded::cases(),
         energy::cases(),

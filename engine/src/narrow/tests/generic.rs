@@ -36,11 +36,16 @@ fn random_pose(random: &mut Random, a: &Part, b: &Part, scale: f64, depth: Optio
     pose
 }
 
+/// How many; `STURZ_PAIRS` in the environment asks for more (`make geometry`).
+fn cases(usual: usize) -> usize {
+    std::env::var("STURZ_PAIRS").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
 #[test]
 fn random_pairs_agree_with_brute_force() {
     let mut random = Random(1);
     let zoo = zoo(&mut random);
-    let (mut touching, cases) = (0, 24_000);
+    let (mut touching, cases) = (0, cases(24_000));
     for case in 0..cases {
         let (a, b) = (&zoo[random.below(zoo.len())], &zoo[random.below(zoo.len())]);
         let scale = 10_f64.powf(if case % 4 == 0 { random.between(-3.0, 3.0) } else { random.between(-0.3, 0.3) });
@@ -96,7 +101,7 @@ fn random_depth(case: usize) -> f64 {
 fn nearly_aligned_faces_name_each_point_once() {
     let zoo = [cube(), pinacoid(1.0), part(&ShapeDescription::Octahedron { edge_m: 1.0 }), prism(6, 1.0)];
     let mut random = Random(99);
-    for case in 0..100_000 {
+    for case in 0..cases(100_000) {
         let axis = Vec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(0.0, 1.0));
         let tilt = 10_f64.powf(random.between(-10.0, -7.5));
         let translation = Vec3::new([0.0, 0.5][random.below(2)], 0.0, 0.98);
@@ -142,7 +147,7 @@ fn similarity() -> impl Strategy<Value = Similarity> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(1500) as u32, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_pose_agrees_with_brute_force(pose in similarity(), shapes in (0..4_usize, 0..4_usize)) {
