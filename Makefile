@@ -1,6 +1,6 @@
 # Two commands: `make demo` runs the main job, `make test` passes all the tests. Both need Rust, Python 3.11 or later,
 # a C toolchain and the package registries, and make their own Python environment in .venv.
-.PHONY: help demo test lint bench validate clean
+.PHONY: help demo test lint bench validate geometry clean
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -14,6 +14,7 @@ help:
 	@echo "make test      all the tests"
 	@echo "make lint      format and lints of Rust and Python"
 	@echo "make bench     the workloads on one and two threads (half an hour; settles its beds first)"
+	@echo "make geometry  a million random and degenerate pairs of polyhedra against brute force"
 	@echo "make validate  the fast cases of closed forms and papers; tables in out/validation.json"
 
 # Made anew when the package's requirements change.
@@ -47,6 +48,9 @@ bench:
 validate:
 	mkdir -p out
 	$(RUST) run --release --locked -p sturz-tests --bin validate -- --json out/validation.json
+
+geometry:
+	STURZ_PAIRS=1000000 $(RUST) test --release --locked --workspace --lib generic
 
 clean:
 	$(RUST) clean

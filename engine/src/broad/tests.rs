@@ -22,7 +22,7 @@ struct Cloud {
 impl Cloud {
     fn cell(&self) -> Cell {
         let periodic = self.extent.map(|length| length > 0.0);
-        Cell::new(&DomainSection { min_m: [0.0; 3], max_m: self.extent, periodic })
+        Cell::new(&DomainSection { min_m: [0.0; 3], max_m: self.extent, periodic, ..DomainSection::default() })
     }
 
     fn particles(&self) -> Particles {
