@@ -62,6 +62,7 @@ mod gather;
 pub mod insertion;
 pub mod integrate;
 pub mod math;
+pub mod mesh;
 pub mod narrow;
 mod parallel;
 pub mod particles;

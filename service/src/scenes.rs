@@ -55,7 +55,12 @@ pub fn read(scene: &str) -> Result<SceneDescription, Failure> {
         let names: Vec<&str> = BUNDLED.iter().map(|bundled| bundled.name).collect();
         Failure::Scene(format!("{scene}: {error}. It is no bundled scene either: those are {}", names.join(", ")))
     })?;
-    SceneDescription::from_toml(&text).map_err(|error| Failure::Scene(format!("{scene}: {}", error.problem)))
+    let described = SceneDescription::from_toml(&text);
+    let mut description = described.map_err(|error| Failure::Scene(format!("{scene}: {}", error.problem)))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let files = description.read_files(|name| std::fs::read(folder.join(name)));
+    files.map_err(|problems| Failure::Scene(format!("{scene} cannot be used:\n{problems}")))?;
+    Ok(description)
 }
 
 /// Reads a scene and proves it usable.
@@ -87,6 +92,25 @@ mod tests {
                 engine.step().unwrap_or_else(|failure| panic!("{}: {failure}", bundled.name));
             }
         }
+    }
+
+    /// Files lie beside the scene; a wrong one is named with its place.
+    #[test]
+    fn shapes_out_of_files_are_read_beside_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("rocks.toml");
+        let text = "[scene]\nname = \"rocks\"\nseed = 1\ngravity_m_per_s2 = [0.0, 0.0, -9.81]\ntime_step = \"auto\"\n\
+                    [[material]]\nname = \"m\"\ndensity_kg_per_m3 = 1000.0\n\
+                    [[material_pair]]\nmaterials = [\"m\", \"m\"]\nstiffness_n_per_m = 1e6\nrestitution = 0.5\n\
+                    [[shape]]\nname = \"s\"\ngeometry = { kind = \"file\", path = \"rock.obj\", scale = 1e-3 }\n";
+        std::fs::write(&scene, text).unwrap();
+        let rock = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        std::fs::write(folder.path().join("rock.obj"), rock).unwrap();
+        let loaded = load(scene.to_str().unwrap()).unwrap_or_else(|failure| panic!("{failure}"));
+        assert!((loaded.shapes()[0].mass_properties().volume / (1e-9 / 6.0) - 1.0).abs() < 1e-12);
+        std::fs::write(folder.path().join("rock.obj"), rock.replace("f 2 3 4\n", "")).unwrap();
+        let refusal = load(scene.to_str().unwrap()).err().map(|failure| failure.to_string()).unwrap();
+        assert!(refusal.contains("shape[0].geometry.path") && refusal.contains("is open"), "{refusal}");
     }
 
     #[test]

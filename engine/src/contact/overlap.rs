@@ -5,8 +5,8 @@ use super::table::Slot;
 use crate::boundary::WallShape;
 use crate::math::{Mat3, Vec3};
 use crate::narrow::generalized_overlap::{
-    ActiveTerms, Core, Overlap, OverlapGeometry, OverlapPoint, RoundedPair, Scratch, Term, aggregate, polyhedron_cylinder,
-    polyhedron_plane,
+    ActiveTerms, Core, Overlap, OverlapGeometry, OverlapPoint, RoundedPair, Scratch, Term, aggregate,
+    polyhedron_cylinder, polyhedron_plane,
 };
 use crate::narrow::overlap_volume::{Cutter, SharedFacet, SharedVolume};
 use crate::scene::{RoundedShapes, WallOverlap};
@@ -96,8 +96,7 @@ impl OverlapChunk {
         let (a_from_b, unit) = particles.a_from_b(a, b, &d);
         let core_a = core(rounded, particles.shape[a], slot.part_a);
         let core_b = core(rounded, particles.shape[b], slot.part_b);
-        let mut frame =
-            TermFrame { rotation: particles.rotation[a], centre: Vec3::zeros(), unit, radius_sum: 0.0 };
+        let mut frame = TermFrame { rotation: particles.rotation[a], centre: Vec3::zeros(), unit, radius_sum: 0.0 };
         let Some(geometry) = &rounded.geometry else {
             let area = core_a.face_area.min(core_b.face_area * a_from_b.scale * a_from_b.scale);
             let shared = self.cutter.pair((core_a.solid(), core_b.solid()), &a_from_b, &mut self.facets);

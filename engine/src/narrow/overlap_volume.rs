@@ -181,9 +181,10 @@ impl Cutter {
 /// Counter-clockwise about the normal.
 fn sort_around(normal: &Vec3, corners: &mut [(f64, Vec3)]) {
     let middle = corners.iter().map(|(_, x)| x).sum::<Vec3>() / corners.len() as f64;
-    let farthest = corners.iter().map(|(_, x)| x - middle).fold(Vec3::zeros(), |far, arm| {
-        if arm.norm_squared() > far.norm_squared() { arm } else { far }
-    });
+    let farthest = corners
+        .iter()
+        .map(|(_, x)| x - middle)
+        .fold(Vec3::zeros(), |far, arm| if arm.norm_squared() > far.norm_squared() { arm } else { far });
     let across = normal.cross(&farthest);
     for (angle, x) in corners.iter_mut() {
         let arm = *x - middle;

@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    CohesionDescription, DampingMass, FeaturePairsSection, GeneralizedOverlapSection, HertzSection, NormalLaw, SharingScope,
+    CohesionDescription, DampingMass, FeaturePairsSection, GeneralizedOverlapSection, HertzSection, NormalLaw,
+    SharingScope,
 };
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;

@@ -3,6 +3,7 @@
 mod auto_step;
 mod check;
 mod description;
+mod files;
 mod normal_law;
 mod plan;
 mod point_laws;

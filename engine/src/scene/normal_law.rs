@@ -232,14 +232,14 @@ impl FeaturePairsSection {
             return shapes;
         }
         let round = |(k, shape): (usize, Shape)| {
-            shape.with_rounded_parts(|solid| core(solid, fraction).map(|core| (core.solid().clone(), core.radius))).unwrap_or_else(
-                |reason| {
+            shape
+                .with_rounded_parts(|solid| core(solid, fraction).map(|core| (core.solid().clone(), core.radius)))
+                .unwrap_or_else(|reason| {
                     let name = &description.shapes[k].name;
                     let problem = format!("cannot round shape '{name}': {reason}");
                     errors.push(InvalidInput::new("contact.feature_pairs", problem));
                     shape
-                },
-            )
+                })
         };
         shapes.into_iter().enumerate().map(round).collect()
     }

@@ -234,8 +234,7 @@ fn check_contact(description: &SceneDescription, errors: &mut Vec<InvalidInput>)
     }
     let overlaps = description.normal_law().is_by_overlap();
     if overlaps && contact.sharing != Sharing::PerPoint {
-        let problem =
-            "is for points, which generalized_overlap (the default of polyhedra) and volume have none of: give normal = \"linear\"";
+        let problem = "is for points, which generalized_overlap (the default of polyhedra) and volume have none of: give normal = \"linear\"";
         errors.push(InvalidInput::new("contact.sharing", problem));
     }
     let fits = match description.normal_law() {

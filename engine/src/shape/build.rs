@@ -157,6 +157,7 @@ fn convex(description: &ShapeDescription, at: &str) -> Result<PartGeometry, Shap
             thick_enough(convex_hull(&points, &format!("{at}vertices_m"))?, &format!("{at}vertices_m"))
         }
         D::RoundedPolyhedron { .. } => rounded_polyhedron(description, at),
+        D::File { path, .. } => Err(ShapeError::NotRead { path: format!("{at}path"), file: path.clone() }),
         D::Cross2d { .. } | D::Cross3d { .. } | D::Composite { .. } => {
             Err(ShapeError::PartNotConvex { path: at.trim_end_matches('.').into(), kind: description.kind() })
         }

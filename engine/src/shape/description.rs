@@ -98,6 +98,22 @@ pub enum ShapeDescription {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_properties: Option<MassDescription>,
     },
+    /// Out of a file: `.obj` and `.stl` (each closed surface a convex part) or Rockable's `.shp`. Whoever reads the scene
+    /// file puts the shape itself here ([`crate::scene::SceneDescription::read_files`]).
+    File {
+        /// Relative to the scene file.
+        path: String,
+        /// Metres per unit of the file; `.shp` files are in metres.
+        #[serde(default = "one")]
+        scale: f64,
+        /// Which of the shapes of a `.shp` file; needed where there are several.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        name: Option<String>,
+    },
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// Mass properties given instead of computed: the origin is the centre of mass, the axes are principal ones.
@@ -149,6 +165,7 @@ impl ShapeDescription {
             Self::Cross2d { .. } => "cross_2d",
             Self::Cross3d { .. } => "cross_3d",
             Self::Composite { .. } => "composite",
+            Self::File { .. } => "file",
         }
     }
 }
@@ -165,7 +182,9 @@ impl ShapeDescription {
             | Self::ConvexPolyhedron { .. }
             | Self::Cross2d { .. }
             | Self::Cross3d { .. } => true,
-            Self::Sphere { .. } | Self::Spherocylinder { .. } | Self::RoundedPolyhedron { .. } => false,
+            Self::Sphere { .. } | Self::Spherocylinder { .. } | Self::RoundedPolyhedron { .. } | Self::File { .. } => {
+                false
+            }
             Self::Composite { parts, .. } => parts.iter().any(|part| part.shape.has_sharp_part()),
         }
     }

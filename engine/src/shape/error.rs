@@ -157,6 +157,14 @@ pub enum ShapeError {
         /// Where.
         path: String,
     },
+    /// A file that nobody has read.
+    #[error("{path} is '{file}': files are read together with a scene file only")]
+    NotRead {
+        /// Where.
+        path: String,
+        /// The file.
+        file: String,
+    },
     /// A part that is itself not convex.
     #[error("{path} is a {kind}: parts must be convex; list its parts instead")]
     PartNotConvex {

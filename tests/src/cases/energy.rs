@@ -40,11 +40,7 @@ const LAWS: [Law; 9] = [
         contact: "generalized_overlap = { exponent = 1.5, reference_overlap_fraction = 0.1 }",
         gated: true,
     },
-    Law {
-        name: "generalized_overlap, winkler",
-        contact: "generalized_overlap = { walls = \"winkler\" }",
-        gated: true,
-    },
+    Law { name: "generalized_overlap, winkler", contact: "generalized_overlap = { walls = \"winkler\" }", gated: true },
     Law { name: "feature_pairs", contact: "normal = \"feature_pairs\"", gated: false },
     Law { name: "volume", contact: "normal = \"volume\"", gated: false },
     Law { name: "linear, per_point", contact: "normal = \"linear\"", gated: false },
