@@ -97,20 +97,22 @@ mod tests {
     /// Files lie beside the scene; a wrong one is named with its place.
     #[test]
     fn shapes_out_of_files_are_read_beside_the_scene() {
-        let folder = tempfile::tempdir().unwrap();
-        let scene = folder.path().join("rocks.toml");
+        let folder = std::env::temp_dir().join(format!("sturz-scenes-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let scene = folder.join("rocks.toml");
         let text = "[scene]\nname = \"rocks\"\nseed = 1\ngravity_m_per_s2 = [0.0, 0.0, -9.81]\ntime_step = \"auto\"\n\
                     [[material]]\nname = \"m\"\ndensity_kg_per_m3 = 1000.0\n\
                     [[material_pair]]\nmaterials = [\"m\", \"m\"]\nstiffness_n_per_m = 1e6\nrestitution = 0.5\n\
                     [[shape]]\nname = \"s\"\ngeometry = { kind = \"file\", path = \"rock.obj\", scale = 1e-3 }\n";
         std::fs::write(&scene, text).unwrap();
         let rock = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-        std::fs::write(folder.path().join("rock.obj"), rock).unwrap();
+        std::fs::write(folder.join("rock.obj"), rock).unwrap();
         let loaded = load(scene.to_str().unwrap()).unwrap_or_else(|failure| panic!("{failure}"));
         assert!((loaded.shapes()[0].mass_properties().volume / (1e-9 / 6.0) - 1.0).abs() < 1e-12);
-        std::fs::write(folder.path().join("rock.obj"), rock.replace("f 2 3 4\n", "")).unwrap();
+        std::fs::write(folder.join("rock.obj"), rock.replace("f 2 3 4\n", "")).unwrap();
         let refusal = load(scene.to_str().unwrap()).err().map(|failure| failure.to_string()).unwrap();
         assert!(refusal.contains("shape[0].geometry.path") && refusal.contains("is open"), "{refusal}");
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

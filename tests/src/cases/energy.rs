@@ -137,15 +137,18 @@ fn pace(law: &Law, solid: &Solid, wall: bool) -> anyhow::Result<Pace> {
     for _ in 0..3 {
         let mut engine = scene(law, solid, &start, pace.speed, time_step_s).start()?;
         let (from, mut closest, mut touching) = (distance(&engine), f64::MAX, 0u32);
-        for _ in 0..100_000 {
-            steps(&mut engine, 1)?;
-            closest = closest.min(distance(&engine));
-            match touches(&engine) {
-                true => touching += 1,
-                false if touching > 0 => break,
-                false => {}
+        engine.in_pool(|engine| -> anyhow::Result<()> {
+            for _ in 0..100_000 {
+                engine.step()?;
+                closest = closest.min(distance(engine));
+                match touches(engine) {
+                    true => touching += 1,
+                    false if touching > 0 => break,
+                    false => {}
+                }
             }
-        }
+            Ok(())
+        })?;
         pace.duration_s = f64::from(touching) * time_step_s;
         pace.speed *= OVERLAP / (from - closest);
     }

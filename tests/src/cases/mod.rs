@@ -17,6 +17,7 @@ mod rounded;
 mod rounded_pose;
 mod shapes;
 mod size_ratio;
+mod slender;
 mod sliding;
 mod stability;
 mod standing;
@@ -179,6 +180,7 @@ pub fn registry() -> Vec<Case> {
         hertz::cases(),
         glued::cases(),
         resistance::cases(),
+        slender::cases(),
         sliding::cases(),
         stability::cases(),
         degenerate::cases(),
