@@ -77,6 +77,9 @@ pub struct Report {
     pub time_step_s: f64,
     /// Largest stable time step of a single contact.
     pub critical_time_step_s: f64,
+    /// Largest stable time step of the contacts that are there now, all of a body's together: an estimate from below,
+    /// infinite without contacts and under Hertz.
+    pub present_critical_time_step_s: f64,
     /// Shortest duration of a collision of two particles present.
     pub contact_duration_s: f64,
     /// Counted troubles.

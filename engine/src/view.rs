@@ -5,8 +5,10 @@ use xxhash_rust::xxh3::Xxh3;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::fields::{self, FieldDefinition, FieldFrame, FieldSample};
+use crate::integrate::present_critical_step;
 use crate::math::Vec3;
 use crate::report::{EnergyBalance, Report};
+use crate::scene::NormalLaw;
 use crate::snapshot::{BoundaryState, Snapshot};
 
 impl Engine {
@@ -97,8 +99,16 @@ impl Engine {
             largest_overlap_ratio_so_far: self.largest_ratio_so_far,
             time_step_s: self.clock.time_step_s(),
             critical_time_step_s: bounds.map_or(f64::INFINITY, |b| b.critical_time_step_s),
+            present_critical_time_step_s: self.present_critical_step(),
             contact_duration_s: bounds.map_or(f64::INFINITY, |b| b.duration_s),
             warnings: self.warnings,
+        }
+    }
+
+    fn present_critical_step(&self) -> f64 {
+        match self.scene.description().normal_law() {
+            NormalLaw::Hertz => f64::INFINITY,
+            _ => present_critical_step(&self.particles, &self.contacts, &self.scene),
         }
     }
 

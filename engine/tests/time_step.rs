@@ -69,3 +69,61 @@ fn a_step_beyond_the_half_thickness_is_refused() {
     assert!(step(CUBE, 0.0, 0.5e6, true).is_ok());
     assert!(matches!(step(CUBE, 0.0, 0.6e6, true), Err(StepError::TooFast { id: 0, .. })));
 }
+
+/// Frictionless undamped balls in a row between two walls, k = 1e5 N/m: each has two springs, and a row of many swings
+/// at omega^2 = 4 k/m, which is the bound. Just below it nothing grows, just above it does.
+#[test]
+fn the_critical_step_of_a_row_of_balls_is_that_of_its_highest_mode() {
+    let pair = "stiffness_n_per_m = 1e5\nrestitution = 1.0";
+    let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
+    let critical = (mass / 1e5f64).sqrt();
+    let row = |dt: f64| {
+        let mut text = header([0.0; 3], dt, "contact_end = \"tension\"", pair) + &shape(BALL);
+        text += &plane("left", [0.0; 3], [1.0, 0.0, 0.0]);
+        text += &plane("right", [0.78, 0.0, 0.0], [-1.0, 0.0, 0.0]);
+        for k in 0..40 {
+            let off = if k % 2 == 0 { 1e-6 } else { -1e-6 };
+            text += &particle([0.0095 + 0.0195 * f64::from(k) + off, 0.0, 0.0], [0.0; 3], [0.0; 3]);
+        }
+        common::engine(&text)
+    };
+    let swing = |factor: f64| {
+        let mut engine = row(factor * critical);
+        let present = engine.report().present_critical_time_step_s;
+        assert!((present / critical - 1.0).abs() < 1e-12, "{present} {critical}");
+        for _ in 0..1500 {
+            if engine.step().is_err() {
+                return f64::INFINITY;
+            }
+        }
+        let energy = engine.report().energy;
+        energy.kinetic_translation_j
+    };
+    let (below, above) = (swing(0.98), swing(1.02));
+    assert!(below < 1e-5 && above > 100.0 * below, "{below} {above}");
+}
+
+/// Cubes stacked by generalized overlap stay at rest with nine tenths of the step of their contacts; without contacts
+/// there is no bound.
+#[test]
+fn the_critical_step_of_a_stack_holds() {
+    let pair = "stiffness_n_per_m = 1e5\nrestitution = 0.5\nfriction = 0.5";
+    let stack = |dt: f64| {
+        let mut text =
+            header([0.0, 0.0, -9.81], dt, "", pair) + &shape(CUBE) + &plane("floor", [0.0; 3], [0.0, 0.0, 1.0]);
+        for k in 0..4 {
+            text += &particle([0.0, 0.0, 0.01 + 0.02 * f64::from(k) - 1e-6], [0.0; 3], [0.0; 3]);
+        }
+        common::engine(&text)
+    };
+    let bound = stack(1e-7).report().present_critical_time_step_s;
+    let single = stack(1e-7).report().critical_time_step_s;
+    assert!(bound > 0.1 * single && bound < 3.0 * single, "{bound} {single}");
+    let mut engine = stack(0.9 * bound.min(single));
+    common::steps(&mut engine, 40_000);
+    let report = engine.report();
+    let kinetic = report.energy.kinetic_translation_j + report.energy.kinetic_rotation_j;
+    assert!(kinetic < 1e-12, "{kinetic}");
+    let alone = header([0.0; 3], 1e-6, "", pair) + &shape(CUBE) + &particle([0.0; 3], [0.0; 3], [0.0; 3]);
+    assert_eq!(common::engine(&alone).report().present_critical_time_step_s, f64::INFINITY);
+}

@@ -207,6 +207,7 @@ fn start_physics(
                 meter: Meter::new(totals),
                 revision: 0,
                 stop_time_s,
+                warned_of_step: false,
                 shared,
                 limits: options.limits,
             };

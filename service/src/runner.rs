@@ -70,6 +70,8 @@ pub struct Runner<'e> {
     pub(crate) revision: u64,
     /// Where to pause, once.
     pub(crate) stop_time_s: Option<f64>,
+    /// Whether the log has said that the step is too long for the contacts present.
+    pub(crate) warned_of_step: bool,
     pub(crate) shared: Arc<Shared>,
 }
 
@@ -221,7 +223,19 @@ impl Runner<'_> {
         }
         if self.outbox.report.is_due(now, mark) {
             let sample = self.report();
+            self.warn_of_step(&sample.engine);
             self.outbox.report.offer(now, mark, |_| Box::new(sample));
+        }
+    }
+
+    /// Once: the critical step of a single contact was checked at the start, that of many on one body shows only now.
+    fn warn_of_step(&mut self, report: &sturz_engine::Report) {
+        let (step, critical) = (report.time_step_s, report.present_critical_time_step_s);
+        if step > critical && !std::mem::replace(&mut self.warned_of_step, true) {
+            tracing::warn!(
+                "step {}: the contacts present may be stable below {critical:.2e} s only, the time step is {step:.2e} s: reduce it",
+                report.step
+            );
         }
     }
 

@@ -103,6 +103,11 @@ impl SpherePairs {
         self.touching.iter().filter(|touching| **touching).count() as u64
     }
 
+    /// Those pairs.
+    pub fn touching_pairs(&self) -> impl Iterator<Item = &SpherePair> {
+        self.pairs.iter().zip(&self.touching).filter(|(_, touching)| **touching).map(|(pair, _)| pair)
+    }
+
     /// Pairs with a spring, and the springs.
     pub fn springs(&self) -> impl Iterator<Item = (&SpherePair, &Vec3)> {
         self.pairs.iter().zip(&self.springs).filter(|(_, spring)| **spring != Vec3::zeros())

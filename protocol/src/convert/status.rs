@@ -30,6 +30,7 @@ pub fn report_to_wire(report: &Report, mut header: v1::Header) -> v1::Report {
         largest_overlap_ratio_so_far: report.largest_overlap_ratio_so_far,
         time_step_s: report.time_step_s,
         critical_time_step_s: report.critical_time_step_s,
+        present_critical_time_step_s: report.present_critical_time_step_s,
         contact_duration_s: report.contact_duration_s,
         warnings: Some(warnings_to_wire(report.warnings)),
         ..Default::default()

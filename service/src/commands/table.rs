@@ -33,6 +33,8 @@ pub fn print(summary: &Summary) {
     );
     line("time step", format!("{:.3e} s", report.time_step_s));
     line("", format!("{:.3} of the critical one", report.time_step_s / report.critical_time_step_s));
+    let present = report.time_step_s / report.present_critical_time_step_s;
+    line("", format!("{present:.3} of that of the contacts at the end, all of a body's together"));
     line("", format!("{:.1} per shortest collision", report.contact_duration_s / report.time_step_s));
     line("force residual", format!("{:.2e} N summed over all pairs", report.internal_force_residual_n));
     let warnings = report.warnings;

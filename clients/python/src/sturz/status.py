@@ -341,6 +341,8 @@ class Report:
         largest_overlap_over_rounding: generalized overlap over the rounding radius, now; 0 with other laws.
         time_step_s: in use.
         critical_time_step_s: largest stable one of a single contact.
+        present_critical_time_step_s: of the contacts that are there now, all of a body's together: an estimate from
+            below; infinite without contacts.
         contact_duration_s: shortest one of two particles present.
         warnings: counted since the start.
         stages_s_per_step: wall seconds per step by stage, since the report before.
@@ -371,6 +373,7 @@ class Report:
     largest_overlap_over_rounding: float
     time_step_s: float
     critical_time_step_s: float
+    present_critical_time_step_s: float
     contact_duration_s: float
     warnings: Warnings
     stages_s_per_step: dict[str, float]

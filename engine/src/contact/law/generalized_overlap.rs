@@ -60,6 +60,14 @@ impl OverlapLaw {
         }
     }
 
+    /// dF/dD over k at an overlap D (m); `radius_sum` as in [`OverlapLaw::spring`].
+    pub fn present_stiffening(&self, overlap: f64, radius_sum: f64) -> f64 {
+        match self.exponent {
+            Exponent::One => 1.0,
+            Exponent::ThreeHalves => 1.5 * (overlap / (self.reference_fraction * radius_sum)).sqrt(),
+        }
+    }
+
     /// dF/dD over k at the reference overlap D0. With the exponent 1.5 deeper contacts are stiffer, by sqrt(D / D0):
     /// D0 should be the deepest overlap that the scene reaches.
     pub fn reference_stiffening(&self) -> f64 {
