@@ -1,7 +1,9 @@
 //! Walls and drums with prescribed motion.
 
-use crate::math::{Mat3, Similarity, Vec3};
+use crate::math::{Mat3, Quat, Similarity, Vec3};
+use crate::narrow::{self, Manifold};
 use crate::scene::{AngularVelocity, BoundaryDescription, BoundaryGeometry, MotionDescription};
+use crate::shape::Part;
 
 /// Geometry in a wall frame, as the narrow phase wants it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +12,24 @@ pub enum WallShape {
     Plane,
     /// Outside of the cylinder of this radius about z.
     CylinderInside(f64),
+    /// Inside of the cylinder of this radius about z.
+    CylinderOutside(f64),
+}
+
+impl WallShape {
+    /// Appends the contacts of a part, in the frame of the wall.
+    pub fn contacts(self, part: &Part, wall_from_body: &Similarity, out: &mut Manifold) {
+        match self {
+            WallShape::Plane => narrow::part_plane(part, wall_from_body, out),
+            WallShape::CylinderInside(radius) => narrow::part_cylinder(part, wall_from_body, radius, out),
+            WallShape::CylinderOutside(radius) => narrow::part_roller(part, wall_from_body, radius, out),
+        }
+    }
+
+    /// Whether polyhedra that have cores meet it by generalized overlap; else by points.
+    pub fn has_overlap_terms(self) -> bool {
+        !matches!(self, WallShape::CylinderOutside(_))
+    }
 }
 
 /// A boundary of the running engine.
@@ -112,6 +132,9 @@ impl Boundary {
             BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
                 (WallShape::CylinderInside(*radius_m), point_m, axis)
             }
+            BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
+                (WallShape::CylinderOutside(*radius_m), point_m, axis)
+            }
         };
         let rotation = frame_with_z(&unit(direction));
         let point = Vec3::from(*point);
@@ -210,7 +233,7 @@ impl Boundary {
         let parallel = direction.cross(axis).norm() < 1e-14;
         match self.shape {
             WallShape::Plane => parallel,
-            WallShape::CylinderInside(radius) => {
+            WallShape::CylinderInside(radius) | WallShape::CylinderOutside(radius) => {
                 parallel && (self.motion.start_point - pivot).cross(axis).norm() < 1e-14 * radius
             }
         }
@@ -260,12 +283,20 @@ impl Boundary {
         match self.shape {
             WallShape::Plane => local.z,
             WallShape::CylinderInside(radius) => radius - (local.x * local.x + local.y * local.y).sqrt(),
+            WallShape::CylinderOutside(radius) => (local.x * local.x + local.y * local.y).sqrt() - radius,
         }
     }
 
     /// Present direction (normal or axis).
     pub fn direction(&self) -> Vec3 {
         self.rotation.column(2).into_owned()
+    }
+
+    /// Present rotation of the wall frame (w, x, y, z).
+    pub fn orientation_wxyz(&self) -> [f64; 4] {
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(self.rotation);
+        let q = Quat::from_rotation_matrix(&rotation);
+        [q.w, q.i, q.j, q.k]
     }
 
     /// Numbers that determine the boundary's future, for the state hash and checkpoints.

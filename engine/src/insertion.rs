@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::boundary::{Boundary, WallShape};
+use crate::boundary::Boundary;
 use crate::cell::Cell;
 use crate::error::InvalidInput;
 use crate::math::{Quat, Similarity, Vec3};
@@ -426,10 +426,7 @@ fn touches_boundary(a: &NewParticle, boundary: &Boundary, scene: &Scene, manifol
     let wall_from_body = boundary.wall_from_body(&a.position, &rotation, a.scale);
     scene.shapes()[a.shape as usize].parts().iter().any(|part| {
         manifold.clear();
-        match boundary.shape {
-            WallShape::Plane => narrow::part_plane(part, &wall_from_body, manifold),
-            WallShape::CylinderInside(radius) => narrow::part_cylinder(part, &wall_from_body, radius, manifold),
-        }
+        boundary.shape.contacts(part, &wall_from_body, manifold);
         !manifold.points().is_empty()
     })
 }

@@ -48,6 +48,7 @@ impl Engine {
                 angular_velocity_rad_per_s: boundary.angular_velocity.norm(),
                 force_n: [0.0; 3],
                 torque_n_m: [0.0; 3],
+                orientation_wxyz: boundary.orientation_wxyz(),
             })
             .collect();
         for (slot, wrench) in self.touching_walls() {

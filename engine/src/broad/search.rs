@@ -140,7 +140,7 @@ impl Search<'_> {
                 let scale = particles.scale[row];
                 let centre = particles.position[row] + particles.rotation[row] * (part.center * scale);
                 if boundary.distance(&centre) < part.radius * scale + self.skin {
-                    let rounded = inputs.rounded && is_polyhedron(part);
+                    let rounded = inputs.rounded && boundary.shape.has_overlap_terms() && is_polyhedron(part);
                     let (kind, list) = if rounded {
                         (SlotKind::RoundedWall, &mut found.rounded_walls)
                     } else {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::law::share_stiffness;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, least_chunks};
-use crate::boundary::{Boundary, WallShape};
+use crate::boundary::Boundary;
 use crate::math::Vec3;
 use crate::narrow::{self, Manifold, PairCache};
 use crate::particles::Particles;
@@ -116,10 +116,7 @@ fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Ma
     let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
     let wall_from_body = boundary.wall_from_body(&particles.position[a], &particles.rotation[a], particles.scale[a]);
     manifold.clear();
-    match boundary.shape {
-        WallShape::Plane => narrow::part_plane(part, &wall_from_body, manifold),
-        WallShape::CylinderInside(radius) => narrow::part_cylinder(part, &wall_from_body, radius, manifold),
-    }
+    boundary.shape.contacts(part, &wall_from_body, manifold);
     // each vertex of a rounded polyhedron is a contact of its own, as between two of them
     if !part.is_rounded_polyhedron() {
         share_stiffness(manifold.points_mut(), inputs.sharing);

@@ -121,6 +121,7 @@ impl OverlapChunk {
             WallShape::CylinderInside(radius) => {
                 polyhedron_cylinder(solid, &wall_from_body, radius, &mut self.terms);
             }
+            WallShape::CylinderOutside(_) => unreachable!("polyhedra meet rollers by points"),
         }
         let frame = TermFrame {
             rotation: boundary.rotation,

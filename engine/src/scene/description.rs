@@ -317,6 +317,15 @@ pub enum BoundaryGeometry {
         /// Towards the particles; need not be of unit length.
         normal: [f64; 3],
     },
+    /// Outside of an infinite circular cylinder (roller).
+    CylinderOutside {
+        /// A point of the axis.
+        point_m: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius.
+        radius_m: f64,
+    },
     /// Inside of an infinite circular cylinder (drum).
     CylinderInside {
         /// A point of the axis.

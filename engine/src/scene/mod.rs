@@ -1,13 +1,14 @@
 //! From what a user wrote to what the engine can run.
 
 mod auto_step;
+mod boundaries;
 mod check;
 mod description;
 mod normal_law;
 mod plan;
 mod point_laws;
 mod validate;
-pub(crate) use validate::check_motion;
+pub(crate) use boundaries::check_motion;
 
 pub use check::SceneCheck;
 pub use description::*;

@@ -67,6 +67,13 @@ pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
         BoundaryGeometry::Plane { point_m, normal } => {
             Geometry::Plane(v1::PlaneGeometry { point_m: Some(vec3(*point_m)), normal: Some(vec3(*normal)) })
         }
+        BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
+            Geometry::CylinderOutside(v1::CylinderOutsideGeometry {
+                point_m: Some(vec3(*point_m)),
+                axis: Some(vec3(*axis)),
+                radius_m: *radius_m,
+            })
+        }
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
             Geometry::CylinderInside(v1::CylinderInsideGeometry {
                 point_m: Some(vec3(*point_m)),

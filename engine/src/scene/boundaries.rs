@@ -1,0 +1,118 @@
+//! Boundaries of a scene: what is wrong with them, and what the engine starts with.
+
+use super::validate::{Problems, material_index};
+use super::{AngularVelocity, BoundaryGeometry, MotionDescription, SceneDescription};
+use crate::boundary::{Boundary, WallShape};
+use crate::cell::Cell;
+use crate::error::InvalidInput;
+
+/// The boundaries at time 0, or what is wrong with them.
+pub(super) fn build_boundaries(description: &SceneDescription, cell: &Cell, problems: &mut Problems) -> Vec<Boundary> {
+    let mut boundaries = Vec::new();
+    for (k, boundary) in description.boundaries.iter().enumerate() {
+        let path = format!("boundary[{k}]");
+        let before = problems.0.len();
+        let material = material_index(description, &boundary.material, format!("{path}.material"), problems);
+        check_geometry(&boundary.geometry, &format!("{path}.geometry"), problems);
+        problems.keep(check_motion(&boundary.motion, &format!("{path}.motion")));
+        if let (Some(material), true) = (material, problems.0.len() == before) {
+            let boundary = Boundary::new(boundary, material as u32);
+            problems.keep(check_in_cell(&boundary, cell, &path));
+            boundaries.push(boundary);
+        }
+    }
+    boundaries
+}
+
+fn check_geometry(geometry: &BoundaryGeometry, path: &str, problems: &mut Problems) {
+    match geometry {
+        BoundaryGeometry::Plane { point_m, normal } => {
+            problems.finite(&format!("{path}.point_m"), point_m);
+            problems.direction(&format!("{path}.normal"), normal);
+        }
+        BoundaryGeometry::CylinderInside { point_m, axis, radius_m }
+        | BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
+            problems.finite(&format!("{path}.point_m"), point_m);
+            problems.direction(&format!("{path}.axis"), axis);
+            problems.in_range(&format!("{path}.radius_m"), *radius_m, "finite and above 0", *radius_m > 0.0);
+        }
+    }
+}
+
+/// A boundary must look the same in every image of the cell.
+fn check_in_cell(boundary: &Boundary, cell: &Cell, path: &str) -> Result<(), InvalidInput> {
+    for axis in (0..3).filter(|&axis| cell.periodic[axis]) {
+        let along = boundary.direction()[axis].abs();
+        let invariant = match boundary.shape {
+            WallShape::Plane => along < 1e-12,
+            WallShape::CylinderInside(_) | WallShape::CylinderOutside(_) => (along - 1.0).abs() < 1e-12,
+        };
+        if !invariant {
+            let problem = format!(
+                "is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel"
+            );
+            return Err(InvalidInput::new(path, problem));
+        }
+    }
+    Ok(())
+}
+
+/// Checks the numbers of a motion.
+pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(), InvalidInput> {
+    let mut problems = Problems::default();
+    match motion {
+        MotionDescription::Fixed => {}
+        MotionDescription::Translation { velocity_m_per_s } => {
+            problems.finite(&format!("{path}.velocity_m_per_s"), velocity_m_per_s);
+        }
+        MotionDescription::Rotation { point_m, axis, angular_velocity } => {
+            problems.finite(&format!("{path}.point_m"), point_m);
+            problems.direction(&format!("{path}.axis"), axis);
+            check_angular_velocity(angular_velocity, &format!("{path}.angular_velocity"), &mut problems);
+        }
+        MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad } => {
+            problems.finite(&format!("{path}.amplitude_m"), amplitude_m);
+            check_wave(*frequency_hz, *phase_rad, path, &mut problems);
+        }
+        MotionDescription::Table { times_s, displacements_m } => {
+            check_table(times_s, displacements_m, path, &mut problems);
+        }
+    }
+    problems.0.into_iter().next().map_or(Ok(()), Err)
+}
+
+fn check_angular_velocity(angular_velocity: &AngularVelocity, path: &str, problems: &mut Problems) {
+    match *angular_velocity {
+        AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]),
+        AngularVelocity::Ramp { rad_per_s, duration_s } => {
+            problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]);
+            problems.in_range(&format!("{path}.duration_s"), duration_s, "finite and above 0", duration_s > 0.0);
+        }
+        AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad } => {
+            problems.finite(&format!("{path}.amplitude_rad_per_s"), &[amplitude_rad_per_s]);
+            check_wave(frequency_hz, phase_rad, path, problems);
+        }
+    }
+}
+
+fn check_wave(frequency_hz: f64, phase_rad: f64, path: &str, problems: &mut Problems) {
+    problems.in_range(&format!("{path}.frequency_hz"), frequency_hz, "finite and above 0", frequency_hz > 0.0);
+    problems.finite(&format!("{path}.phase_rad"), &[phase_rad]);
+}
+
+fn check_table(times_s: &[f64], displacements_m: &[[f64; 3]], path: &str, problems: &mut Problems) {
+    problems.finite(&format!("{path}.times_s"), times_s);
+    for (k, displacement) in displacements_m.iter().enumerate() {
+        problems.finite(&format!("{path}.displacements_m[{k}]"), displacement);
+    }
+    if times_s.len() < 2 || times_s.len() != displacements_m.len() {
+        let (times, rows) = (times_s.len(), displacements_m.len());
+        let problem = format!("has {rows} rows for {times} times; needs two or more, as many as times_s");
+        problems.add(format!("{path}.displacements_m"), problem);
+    } else if times_s[0] != 0.0 || displacements_m[0] != [0.0; 3] {
+        problems.add(format!("{path}.times_s[0]"), "must be 0, with a displacement of (0, 0, 0)");
+    }
+    if let Some(k) = times_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        problems.add(format!("{path}.times_s[{}]", k + 1), "must be later than the time before");
+    }
+}
