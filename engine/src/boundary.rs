@@ -132,6 +132,7 @@ impl Boundary {
             BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
                 (WallShape::CylinderInside(*radius_m), point_m, axis)
             }
+            BoundaryGeometry::Box { .. } => unreachable!("validation puts planes in the place of boxes"),
             BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
                 (WallShape::CylinderOutside(*radius_m), point_m, axis)
             }
@@ -160,6 +161,11 @@ impl Boundary {
         };
         boundary.set_motion(description.motion.clone(), 0.0);
         boundary
+    }
+
+    /// Whether a command for `name` means this boundary: by its name, or by that of its box.
+    pub fn answers_to(&self, name: &str) -> bool {
+        self.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
     }
 
     /// Starts another motion at `time_s`, from the present pose; a ramp starts at the present angular velocity.

@@ -3,7 +3,8 @@
 mod common;
 
 use common::{engine, header, particle, run_for, shape};
-use sturz_engine::{Engine, Snapshot};
+use sturz_engine::scene::MotionDescription;
+use sturz_engine::{Command, Engine, Snapshot};
 
 const ELASTIC: &str = "stiffness_n_per_m = 1e5\nrestitution = 1.0";
 
@@ -98,4 +99,67 @@ fn cubes_and_capsules_keep_their_energy_on_a_roller_under_every_normal_law() {
             assert!(away > 0.0 && change.abs() < limit, "{law} {geometry}: {away} {change}");
         }
     }
+}
+
+fn room(open: &str, motion: &str) -> String {
+    format!(
+        "[[boundary]]\nname = \"room\"\nmaterial = \"w\"\ngeometry = {{ kind = \"box\", min_m = [-0.05, -0.04, 0.0], max_m = [0.05, 0.04, 0.06]{open} }}\n{motion}"
+    )
+}
+
+fn names(engine: &Engine) -> Vec<String> {
+    snapshot(engine).boundaries.iter().map(|boundary| boundary.name.clone()).collect()
+}
+
+#[test]
+fn a_box_is_six_planes_and_its_name_moves_them_all() {
+    let ball = shape("kind = \"sphere\", radius_m = 0.01");
+    let head = header([0.0, 0.0, -9.81], 1e-5, "normal = \"linear\"", "stiffness_n_per_m = 1e4\nrestitution = 0.3");
+    let rest = particle([0.0, 0.0, 0.01], [0.0; 3], [0.0; 3]);
+    let mut boxed = engine(&(head.clone() + &ball + &room("", "") + &rest));
+    assert_eq!(names(&boxed), ["room/x-", "room/x+", "room/y-", "room/y+", "room/z-", "room/z+"]);
+    let set = |engine: &mut Engine, name: &str, velocity: [f64; 3]| {
+        let motion = MotionDescription::Translation { velocity_m_per_s: velocity };
+        engine.apply(&Command::SetMotion { boundary: name.into(), motion })
+    };
+    run_for(&mut boxed, 0.5);
+    let weight = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-6 * 9.81;
+    let forces: Vec<[f64; 3]> = snapshot(&boxed).boundaries.iter().map(|boundary| boundary.force_n).collect();
+    assert!((forces[4][2] + weight).abs() < 1e-9 && forces[..4].iter().all(|force| *force == [0.0; 3]));
+    set(&mut boxed, "room", [0.0, 0.01, 0.0]).unwrap();
+    set(&mut boxed, "room/x+", [-0.02, 0.0, 0.0]).unwrap();
+    for unknown in ["roo", "room/", "room/x", ""] {
+        assert!(set(&mut boxed, unknown, [0.0; 3]).is_err(), "{unknown}");
+    }
+    run_for(&mut boxed, 1.0);
+    let points: Vec<[f64; 3]> = snapshot(&boxed).boundaries.iter().map(|boundary| boundary.point_m).collect();
+    let expected = [[-0.05, 0.01, 0.03], [0.03, 0.0, 0.03], [0.0, -0.03, 0.03], [0.0, 0.05, 0.03], [0.0, 0.01, 0.0]];
+    for (point, expected) in points.iter().zip(expected) {
+        assert!((0..3).all(|k| (point[k] - expected[k]).abs() < 1e-12), "{point:?} {expected:?}");
+    }
+}
+
+#[test]
+fn an_open_side_lets_particles_out_and_bad_boxes_are_refused() {
+    let ball = shape("kind = \"sphere\", radius_m = 0.01");
+    let head = header([0.0; 3], 1e-5, "normal = \"linear\"", ELASTIC);
+    let flying = particle([0.0, 0.0, 0.03], [0.3, 0.2, 0.4], [0.0; 3]);
+    let mut open = engine(&(head.clone() + &ball + &room(", open = [\"z+\"]", "") + &flying));
+    assert_eq!(names(&open), ["room/x-", "room/x+", "room/y-", "room/y+", "room/z-"]);
+    run_for(&mut open, 1.0);
+    let x = snapshot(&open).positions[0];
+    assert!((x[2] - 0.43).abs() < 1e-12 && x[0].abs() < 0.041 && x[1].abs() < 0.031);
+    let refused = |text: &str| {
+        let description = sturz_engine::scene::SceneDescription::from_toml(&(head.clone() + &ball + text));
+        description.map_or_else(
+            |error| error.to_string(),
+            |description| sturz_engine::scene::Scene::validate(description).expect_err("refused").to_string(),
+        )
+    };
+    let all = ", open = [\"x-\", \"x+\", \"y-\", \"y+\", \"z-\", \"z+\"]";
+    assert!(refused(&room(all, "")).contains("boundary[0].geometry.open: leaves no side"));
+    assert!(refused(&room(", open = [\"up\"]", "")).contains("up"));
+    assert!(refused(&room("", "").replace("0.04, 0.06]", "-0.04, 0.06]")).contains("boundary[0].geometry.max_m[1]"));
+    let twice = room("", "") + &common::plane("room/y+", [0.0; 3], [0.0, 0.0, 1.0]);
+    assert!(refused(&twice).contains("boundary[1].name: 'room/y+' is used twice"));
 }

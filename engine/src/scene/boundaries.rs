@@ -1,15 +1,83 @@
 //! Boundaries of a scene: what is wrong with them, and what the engine starts with.
 
 use super::validate::{Problems, material_index};
-use super::{AngularVelocity, BoundaryGeometry, MotionDescription, SceneDescription};
+use super::{AngularVelocity, BoundaryDescription, BoundaryGeometry, BoxSide, MotionDescription, SceneDescription};
 use crate::boundary::{Boundary, WallShape};
 use crate::cell::Cell;
 use crate::error::InvalidInput;
 
-/// The boundaries at time 0, or what is wrong with them.
-pub(super) fn build_boundaries(description: &SceneDescription, cell: &Cell, problems: &mut Problems) -> Vec<Boundary> {
+/// Axis and direction of the normal of each side, and what is put behind the name of its box.
+const SIDES: [(BoxSide, usize, f64, &str); 6] = [
+    (BoxSide::LowerX, 0, 1.0, "x-"),
+    (BoxSide::UpperX, 0, -1.0, "x+"),
+    (BoxSide::LowerY, 1, 1.0, "y-"),
+    (BoxSide::UpperY, 1, -1.0, "y+"),
+    (BoxSide::LowerZ, 2, 1.0, "z-"),
+    (BoxSide::UpperZ, 2, -1.0, "z+"),
+];
+
+/// Puts the planes of each box in its place; returns where in the scene file each boundary comes from.
+pub(super) fn expand_boxes(description: &mut SceneDescription, problems: &mut Problems) -> Vec<usize> {
+    let (mut expanded, mut origins) = (Vec::new(), Vec::new());
+    for (k, boundary) in std::mem::take(&mut description.boundaries).into_iter().enumerate() {
+        let before = expanded.len();
+        match &boundary.geometry {
+            BoundaryGeometry::Box { min_m, max_m, open } => {
+                let path = format!("boundary[{k}].geometry");
+                problems.finite(&format!("{path}.min_m"), min_m);
+                problems.finite(&format!("{path}.max_m"), max_m);
+                if let Some(axis) = (0..3).find(|&axis| max_m[axis] <= min_m[axis]) {
+                    problems.add(format!("{path}.max_m[{axis}]"), "must be above min_m");
+                }
+                expanded.extend(planes_of(&boundary, (min_m, max_m), open));
+                if expanded.len() == before {
+                    problems.add(format!("{path}.open"), "leaves no side");
+                }
+            }
+            _ => expanded.push(boundary),
+        }
+        origins.resize(expanded.len(), k);
+    }
+    for (k, side) in expanded.iter().enumerate() {
+        if expanded[..k].iter().any(|other| other.name == side.name) {
+            problems.add(format!("boundary[{}].name", origins[k]), format!("'{}' is used twice", side.name));
+        }
+    }
+    description.boundaries = expanded;
+    origins
+}
+
+fn planes_of(
+    boundary: &BoundaryDescription,
+    (min_m, max_m): (&[f64; 3], &[f64; 3]),
+    open: &[BoxSide],
+) -> Vec<BoundaryDescription> {
+    let closed = SIDES.iter().filter(|(side, ..)| !open.contains(side));
+    closed
+        .map(|&(_, axis, sign, suffix)| {
+            let mut normal = [0.0; 3];
+            normal[axis] = sign;
+            // in the middle of the side: torques are about this point
+            let mut point_m = [0, 1, 2].map(|axis| 0.5 * (min_m[axis] + max_m[axis]));
+            point_m[axis] = if sign > 0.0 { min_m[axis] } else { max_m[axis] };
+            BoundaryDescription {
+                name: format!("{}/{suffix}", boundary.name),
+                geometry: BoundaryGeometry::Plane { point_m, normal },
+                ..boundary.clone()
+            }
+        })
+        .collect()
+}
+
+/// The boundaries at time 0, or what is wrong with them; `origins` are those of [`expand_boxes`].
+pub(super) fn build_boundaries(
+    description: &SceneDescription,
+    origins: &[usize],
+    cell: &Cell,
+    problems: &mut Problems,
+) -> Vec<Boundary> {
     let mut boundaries = Vec::new();
-    for (k, boundary) in description.boundaries.iter().enumerate() {
+    for (boundary, k) in description.boundaries.iter().zip(origins) {
         let path = format!("boundary[{k}]");
         let before = problems.0.len();
         let material = material_index(description, &boundary.material, format!("{path}.material"), problems);
@@ -30,6 +98,7 @@ fn check_geometry(geometry: &BoundaryGeometry, path: &str, problems: &mut Proble
             problems.finite(&format!("{path}.point_m"), point_m);
             problems.direction(&format!("{path}.normal"), normal);
         }
+        BoundaryGeometry::Box { .. } => {}
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m }
         | BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
             problems.finite(&format!("{path}.point_m"), point_m);

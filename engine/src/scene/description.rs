@@ -317,6 +317,17 @@ pub enum BoundaryGeometry {
         /// Towards the particles; need not be of unit length.
         normal: [f64; 3],
     },
+    /// Axis-aligned room that particles are inside of: one plane for each side that is not open, named as the boundary
+    /// with the side behind it (`room/x-`). Motions set for the boundary's name go to all of them.
+    Box {
+        /// Lower corner.
+        min_m: [f64; 3],
+        /// Upper corner.
+        max_m: [f64; 3],
+        /// Sides without a plane.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        open: Vec<BoxSide>,
+    },
     /// Outside of an infinite circular cylinder (roller).
     CylinderOutside {
         /// A point of the axis.
@@ -335,6 +346,29 @@ pub enum BoundaryGeometry {
         /// Radius.
         radius_m: f64,
     },
+}
+
+/// Side of a box, by its axis and whether it is the lower or the upper one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum BoxSide {
+    /// At the lower x.
+    #[serde(rename = "x-")]
+    LowerX,
+    /// At the upper x.
+    #[serde(rename = "x+")]
+    UpperX,
+    /// At the lower y.
+    #[serde(rename = "y-")]
+    LowerY,
+    /// At the upper y.
+    #[serde(rename = "y+")]
+    UpperY,
+    /// At the lower z.
+    #[serde(rename = "z-")]
+    LowerZ,
+    /// At the upper z.
+    #[serde(rename = "z+")]
+    UpperZ,
 }
 
 /// Angular velocity as a function of time.

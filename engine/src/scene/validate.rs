@@ -1,6 +1,6 @@
 //! The only way to a [`Scene`]: afterwards the engine cannot fail to start.
 
-use super::boundaries::build_boundaries;
+use super::boundaries::{build_boundaries, expand_boxes};
 use super::{
     MaterialPairDescription, NormalLaw, Plan, PointLaws, RoundedShapes, SceneDescription, TimeStepChoice, point_laws,
 };
@@ -77,10 +77,11 @@ impl SceneDescription {
 
 impl Scene {
     /// Proves the description usable, or lists everything that is wrong with it.
-    pub fn validate(description: SceneDescription) -> Result<Self, InvalidScene> {
+    pub fn validate(mut description: SceneDescription) -> Result<Self, InvalidScene> {
         let mut problems = Problems::default();
         check_numbers(&description, &mut problems);
         check_names(&description, &mut problems);
+        let origins = expand_boxes(&mut description, &mut problems);
         let shapes: Vec<Shape> = description
             .shapes
             .iter()
@@ -102,7 +103,7 @@ impl Scene {
             return Err(InvalidScene(problems.0));
         }
         let cell = Cell::new(&description.domain);
-        let boundaries = build_boundaries(&description, &cell, &mut problems);
+        let boundaries = build_boundaries(&description, &origins, &cell, &mut problems);
         let point_laws = PointLaws::build(&description, &shapes);
         let plan = Plan::new(&description, &shapes, &pairs, point_laws.is_none());
         let mut scene = Self {
@@ -310,7 +311,7 @@ impl Scene {
         Ok(())
     }
 
-    /// What the user wrote.
+    /// What the user wrote, with the planes of each box in its place.
     pub fn description(&self) -> &SceneDescription {
         &self.description
     }

@@ -67,6 +67,8 @@ pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
         BoundaryGeometry::Plane { point_m, normal } => {
             Geometry::Plane(v1::PlaneGeometry { point_m: Some(vec3(*point_m)), normal: Some(vec3(*normal)) })
         }
+        // a scene that has been proved usable has planes instead
+        BoundaryGeometry::Box { .. } => return without_geometry(boundary),
         BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
             Geometry::CylinderOutside(v1::CylinderOutsideGeometry {
                 point_m: Some(vec3(*point_m)),
@@ -83,6 +85,10 @@ pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
         }
     };
     v1::BoundaryInfo { name: boundary.name.clone(), material: boundary.material.clone(), geometry: Some(geometry) }
+}
+
+fn without_geometry(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
+    v1::BoundaryInfo { name: boundary.name.clone(), material: boundary.material.clone(), geometry: None }
 }
 
 /// Extent and periodic axes.
