@@ -1,6 +1,9 @@
 //! Walls and drums with prescribed motion.
 
+use std::sync::Arc;
+
 use crate::math::{Mat3, Quat, Similarity, Vec3};
+use crate::mesh::Mesh;
 use crate::narrow::{self, Manifold};
 use crate::scene::{AngularVelocity, BoundaryDescription, BoundaryGeometry, MotionDescription};
 use crate::shape::Part;
@@ -14,6 +17,8 @@ pub enum WallShape {
     CylinderInside(f64),
     /// Inside of the cylinder of this radius about z.
     CylinderOutside(f64),
+    /// Triangles, whose elements have slots of their own.
+    Mesh,
 }
 
 impl WallShape {
@@ -23,10 +28,11 @@ impl WallShape {
             WallShape::Plane => narrow::part_plane(part, wall_from_body, out),
             WallShape::CylinderInside(radius) => narrow::part_cylinder(part, wall_from_body, radius, out),
             WallShape::CylinderOutside(radius) => narrow::part_roller(part, wall_from_body, radius, out),
+            WallShape::Mesh => debug_assert!(false, "a mesh is met element by element"),
         }
     }
 
-    /// Whether polyhedra that have cores meet it by generalized overlap; else by points.
+    /// Whether polyhedra that have cores meet it, or its patches, by generalized overlap; else by points.
     pub fn has_overlap_terms(self) -> bool {
         !matches!(self, WallShape::CylinderOutside(_))
     }
@@ -41,9 +47,10 @@ pub struct Boundary {
     pub material: u32,
     /// Geometry.
     pub shape: WallShape,
-    /// Point of the plane or axis now, m.
+    /// Point of the plane or axis, or where the origin of a mesh's vertices is, now, m.
     pub point: Vec3,
-    /// Wall frame now: the third column is the normal of the plane or the direction of the axis.
+    /// Wall frame now: the third column is the normal of the plane or the direction of the axis; of a mesh the frame of its
+    /// vertices.
     pub rotation: Mat3,
     /// Angle turned since the start, rad.
     pub angle: f64,
@@ -54,6 +61,45 @@ pub struct Boundary {
     /// A point of the axis of rotation, m.
     pub pivot: Vec3,
     motion: Motion,
+    mesh: Option<NumberedMesh>,
+}
+
+/// A mesh, and the number that its first element has in slots.
+#[derive(Clone, Debug, PartialEq)]
+struct NumberedMesh {
+    mesh: Arc<Mesh>,
+    first: u32,
+}
+
+/// What side b of a wall's slot is: boundaries by their index, then the elements of all meshes.
+#[derive(Clone, Copy)]
+pub struct WallSide<'a> {
+    /// Index of the boundary.
+    pub index: usize,
+    /// The boundary.
+    pub boundary: &'a Boundary,
+    /// The mesh and which of its elements.
+    pub element: Option<(&'a Mesh, u32)>,
+}
+
+impl<'a> WallSide<'a> {
+    /// Of side b of a slot.
+    #[inline]
+    pub fn of(boundaries: &'a [Boundary], b: u32) -> Self {
+        if let Some(boundary) = boundaries.get(b as usize) {
+            return Self { index: b as usize, boundary, element: None };
+        }
+        Self::of_element(boundaries, b)
+    }
+
+    fn of_element(boundaries: &'a [Boundary], b: u32) -> Self {
+        let holds = |numbered: &NumberedMesh| b >= numbered.first && b - numbered.first < numbered.mesh.n_elements();
+        let found = boundaries.iter().enumerate().find_map(|(index, boundary)| {
+            let numbered = boundary.mesh.as_ref().filter(|numbered| holds(numbered))?;
+            Some(Self { index, boundary, element: Some((&*numbered.mesh, b - numbered.first)) })
+        });
+        found.expect("slots name boundaries and elements that are there")
+    }
 }
 
 /// The motion from `start` on.
@@ -74,7 +120,7 @@ fn unit(v: &[f64; 3]) -> Vec3 {
 }
 
 /// A right-handed frame whose third axis is `z`.
-fn frame_with_z(z: &Vec3) -> Mat3 {
+pub(crate) fn frame_with_z(z: &Vec3) -> Mat3 {
     let smallest = z.iamin();
     let mut other = Vec3::zeros();
     other[smallest] = 1.0;
@@ -132,12 +178,15 @@ impl Boundary {
             BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
                 (WallShape::CylinderInside(*radius_m), point_m, axis)
             }
+            // its frame is the one that its vertices are given in
+            BoundaryGeometry::Mesh { .. } => (WallShape::Mesh, &[0.0; 3], &[0.0, 0.0, 1.0]),
             BoundaryGeometry::Box { .. } => unreachable!("validation puts planes in the place of boxes"),
             BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
                 (WallShape::CylinderOutside(*radius_m), point_m, axis)
             }
         };
-        let rotation = frame_with_z(&unit(direction));
+        let is_mesh = shape == WallShape::Mesh;
+        let rotation = if is_mesh { Mat3::identity() } else { frame_with_z(&unit(direction)) };
         let point = Vec3::from(*point);
         let motion = Motion {
             start_time_s: 0.0,
@@ -158,9 +207,27 @@ impl Boundary {
             angular_velocity: Vec3::zeros(),
             pivot: point,
             motion,
+            mesh: None,
         };
         boundary.set_motion(description.motion.clone(), 0.0);
         boundary
+    }
+
+    /// Gives it the mesh it is made of; `first` is the number of the first element, that of the next mesh is returned.
+    pub(crate) fn set_mesh(&mut self, mesh: Mesh, first: u32) -> u32 {
+        let next = first + mesh.n_elements();
+        self.mesh = Some(NumberedMesh { mesh: Arc::new(mesh), first });
+        next
+    }
+
+    /// The mesh it is made of.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        self.mesh.as_ref().map(|numbered| &*numbered.mesh)
+    }
+
+    /// The mesh with the number of its first element in slots.
+    pub(crate) fn numbered_mesh(&self) -> Option<(&Mesh, u32)> {
+        self.mesh.as_ref().map(|numbered| (&*numbered.mesh, numbered.first))
     }
 
     /// Whether a command for `name` means this boundary: by its name, or by that of its box.
@@ -238,6 +305,7 @@ impl Boundary {
         let direction = self.motion.start_rotation.column(2).into_owned();
         let parallel = direction.cross(axis).norm() < 1e-14;
         match self.shape {
+            WallShape::Mesh => false,
             WallShape::Plane => parallel,
             WallShape::CylinderInside(radius) | WallShape::CylinderOutside(radius) => {
                 parallel && (self.motion.start_point - pivot).cross(axis).norm() < 1e-14 * radius
@@ -282,12 +350,13 @@ impl Boundary {
         }
     }
 
-    /// Distance of a point from the surface, positive on the particles' side.
+    /// Distance of a point from the surface, positive on the particles' side; of a mesh unknown, minus infinity.
     #[inline]
     pub fn distance(&self, x: &Vec3) -> f64 {
         let local = self.rotation.tr_mul(&(x - self.point));
         match self.shape {
             WallShape::Plane => local.z,
+            WallShape::Mesh => f64::NEG_INFINITY,
             WallShape::CylinderInside(radius) => radius - (local.x * local.x + local.y * local.y).sqrt(),
             WallShape::CylinderOutside(radius) => (local.x * local.x + local.y * local.y).sqrt() - radius,
         }

@@ -10,7 +10,7 @@
 //! | [`engine`], `step`, `apply`, `view` | the owner of all state; one step; commands; what may be read |
 //! | [`shape`], [`narrow`] | shapes with their mass properties; where two of them touch |
 //! | [`broad`], [`contact`] | which pairs may touch; persistent contacts and their laws |
-//! | [`integrate`], [`boundary`], [`insertion`] | motion of particles and walls; new particles |
+//! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
 //! | [`fields`] | coarse graining |
 //!
 //! ```
@@ -62,6 +62,7 @@ mod gather;
 pub mod insertion;
 pub mod integrate;
 pub mod math;
+pub mod mesh;
 pub mod narrow;
 mod parallel;
 pub mod particles;

@@ -5,6 +5,7 @@ use super::{AngularVelocity, BoundaryDescription, BoundaryGeometry, BoxSide, Mot
 use crate::boundary::{Boundary, WallShape};
 use crate::cell::Cell;
 use crate::error::InvalidInput;
+use crate::mesh::Mesh;
 
 /// Axis and direction of the normal of each side, and what is put behind the name of its box.
 const SIDES: [(BoxSide, usize, f64, &str); 6] = [
@@ -69,14 +70,17 @@ fn planes_of(
         .collect()
 }
 
-/// The boundaries at time 0, or what is wrong with them; `origins` are those of [`expand_boxes`].
+/// The boundaries at time 0, or what is wrong with them; `origins` are those of [`expand_boxes`]. With `skeletons` meshes
+/// can meet rounded polyhedra.
 pub(super) fn build_boundaries(
     description: &SceneDescription,
     origins: &[usize],
-    cell: &Cell,
+    (cell, skeletons): (&Cell, bool),
     problems: &mut Problems,
 ) -> Vec<Boundary> {
     let mut boundaries = Vec::new();
+    // elements of meshes are numbered over all meshes, after the boundaries
+    let mut first_element = description.boundaries.len() as u32;
     for (boundary, k) in description.boundaries.iter().zip(origins) {
         let path = format!("boundary[{k}]");
         let before = problems.0.len();
@@ -84,7 +88,14 @@ pub(super) fn build_boundaries(
         check_geometry(&boundary.geometry, &format!("{path}.geometry"), problems);
         problems.keep(check_motion(&boundary.motion, &format!("{path}.motion")));
         if let (Some(material), true) = (material, problems.0.len() == before) {
-            let boundary = Boundary::new(boundary, material as u32);
+            let mut boundary = Boundary::new(boundary, material as u32);
+            if let BoundaryGeometry::Mesh { vertices_m, triangles } = &description.boundaries[boundaries.len()].geometry
+            {
+                match Mesh::build(vertices_m, triangles, skeletons) {
+                    Ok(mesh) => first_element = boundary.set_mesh(mesh, first_element),
+                    Err(error) => problems.add(format!("{path}.geometry.{}", error.key()), error.to_string()),
+                }
+            }
             problems.keep(check_in_cell(&boundary, cell, &path));
             boundaries.push(boundary);
         }
@@ -98,7 +109,8 @@ fn check_geometry(geometry: &BoundaryGeometry, path: &str, problems: &mut Proble
             problems.finite(&format!("{path}.point_m"), point_m);
             problems.direction(&format!("{path}.normal"), normal);
         }
-        BoundaryGeometry::Box { .. } => {}
+        // boxes are expanded already, and building a mesh checks it
+        BoundaryGeometry::Box { .. } | BoundaryGeometry::Mesh { .. } => {}
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m }
         | BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
             problems.finite(&format!("{path}.point_m"), point_m);
@@ -114,11 +126,12 @@ fn check_in_cell(boundary: &Boundary, cell: &Cell, path: &str) -> Result<(), Inv
         let along = boundary.direction()[axis].abs();
         let invariant = match boundary.shape {
             WallShape::Plane => along < 1e-12,
+            WallShape::Mesh => boundary.mesh().is_none_or(|mesh| mesh.is_invariant_along(axis, cell)),
             WallShape::CylinderInside(_) | WallShape::CylinderOutside(_) => (along - 1.0).abs() < 1e-12,
         };
         if !invariant {
             let problem = format!(
-                "is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel"
+                "is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel, and a mesh a profile along it that ends a quarter of the cell or more outside"
             );
             return Err(InvalidInput::new(path, problem));
         }

@@ -328,6 +328,14 @@ pub enum BoundaryGeometry {
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         open: Vec<BoxSide>,
     },
+    /// Triangles; particles live on the side that their normals point to (counter-clockwise seen from there). Surfaces
+    /// that are to hang together share vertices by index. A particle whose centre is on the other side is not seen.
+    Mesh {
+        /// Vertices.
+        vertices_m: Vec<[f64; 3]>,
+        /// Three indices of vertices each.
+        triangles: Vec<[u32; 3]>,
+    },
     /// Outside of an infinite circular cylinder (roller).
     CylinderOutside {
         /// A point of the axis.

@@ -103,7 +103,8 @@ impl Scene {
             return Err(InvalidScene(problems.0));
         }
         let cell = Cell::new(&description.domain);
-        let boundaries = build_boundaries(&description, &origins, &cell, &mut problems);
+        let skeletons = shapes.iter().flat_map(Shape::parts).any(Part::is_rounded_polyhedron);
+        let boundaries = build_boundaries(&description, &origins, (&cell, skeletons), &mut problems);
         let point_laws = PointLaws::build(&description, &shapes);
         let plan = Plan::new(&description, &shapes, &pairs, point_laws.is_none());
         let mut scene = Self {
