@@ -77,7 +77,7 @@ impl Mesh {
 }
 
 /// Whether points are so far out of a periodic cell, all on one side, that no particle comes there.
-fn is_far_from_cell<'p>(points: &mut dyn Iterator<Item = &'p Vec3>, axis: usize, cell: &Cell) -> bool {
+fn is_far_from_cell(points: &mut dyn Iterator<Item = &Vec3>, axis: usize, cell: &Cell) -> bool {
     let margin = 0.25 * cell.extent[axis];
     let (low, high) = (cell.min[axis] - margin, cell.min[axis] + cell.extent[axis] + margin);
     let (mut below, mut above) = (true, true);

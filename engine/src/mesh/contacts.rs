@@ -25,6 +25,20 @@ pub struct PartAtMesh<'p> {
     pub deepest: f64,
 }
 
+impl PartAtMesh<'_> {
+    /// Radius of the balls that a round part touches with, m; 0 of a sharp one.
+    fn ball_radius(&self) -> f64 {
+        let scale = self.mesh_from_body.scale;
+        if let PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } = &self.part.geometry {
+            radius * scale
+        } else if let PartGeometry::RoundedPolyhedron(p) = &self.part.geometry {
+            p.skeleton.radius * scale
+        } else {
+            0.0
+        }
+    }
+}
+
 impl Mesh {
     /// Appends the contacts with an element; normals point into the mesh.
     pub fn contacts(&self, element: u32, at: &PartAtMesh<'_>, out: &mut Manifold) {
@@ -32,9 +46,9 @@ impl Mesh {
         match self.element(element) {
             Element::Patch(k) => {
                 let patch = &self.patches[k];
-                let Some(patch_from_body) = patch.from_body(at) else { return };
+                let Some(patch_from_body) = patch.body_in_patch(at) else { return };
                 part_plane(at.part, &patch_from_body, out);
-                out.retain_from(first, |p| p.overlap < at.deepest && self.holds(k, &p.position, at.deepest));
+                out.retain_from(first, |p| self.passes_through(k, (at, &patch_from_body), &p.position, p.overlap));
                 out.map_from(first, &Similarity::rigid(patch.rotation, patch.point));
             }
             Element::Edge(k) => {
@@ -62,9 +76,9 @@ impl Mesh {
         let k = element as usize;
         let patch = &self.patches[k];
         let mesh_from_patch = Similarity::rigid(patch.rotation, patch.point);
-        let Some(patch_from_body) = patch.from_body(at) else { return (mesh_from_patch, *at.mesh_from_body) };
+        let Some(patch_from_body) = patch.body_in_patch(at) else { return (mesh_from_patch, *at.mesh_from_body) };
         polyhedron_plane(solid, &patch_from_body, terms);
-        terms.retain(|term| term.overlap < at.deepest && self.holds(k, &term.position, at.deepest));
+        terms.retain(|term| self.passes_through(k, (at, &patch_from_body), &term.position, term.overlap));
         (mesh_from_patch, patch_from_body)
     }
 
@@ -72,6 +86,22 @@ impl Mesh {
         let first = out.len();
         collide(at.part, feature, &at.mesh_from_body.inverse(), &mut PairCache::default(), out);
         out.map_from(first, at.mesh_from_body);
+    }
+
+    /// Whether a point of a part that is behind the plane of a patch has come through the patch: not so deep that it
+    /// cannot have, and with its foot inside; what is sharp, on the straight way from the centre of the part. (A corner of
+    /// a box that lies over a rim is behind the plane below the rim as well.)
+    fn passes_through(&self, patch: usize, (at, pose): (&PartAtMesh<'_>, &Similarity), x: &Vec3, overlap: f64) -> bool {
+        if overlap >= at.deepest {
+            return false;
+        }
+        let ball = Vec3::new(x.x, x.y, at.ball_radius() - overlap);
+        if ball.z >= 0.0 {
+            return self.holds(patch, &ball, at.deepest);
+        }
+        let centre = pose.point(&at.part.center);
+        let way = centre.z / (centre.z - ball.z);
+        self.holds(patch, &(centre + (ball - centre) * way), at.deepest)
     }
 
     /// Whether the foot of a point (in the frame of the patch) lies inside, or beyond a concave side by less than `beyond`.
@@ -99,7 +129,7 @@ impl Mesh {
 
 impl Patch {
     /// The part in the frame of the patch; `None` where its centre is on the other side.
-    fn from_body(&self, at: &PartAtMesh<'_>) -> Option<Similarity> {
+    fn body_in_patch(&self, at: &PartAtMesh<'_>) -> Option<Similarity> {
         let to_mesh = at.mesh_from_body;
         let is_above = self.height(&to_mesh.point(&at.part.center)) > 0.0;
         is_above.then(|| Similarity {
@@ -134,22 +164,21 @@ impl Touch {
     fn new(at: &PartAtMesh<'_>, point: &ManifoldPoint) -> Self {
         let outwards = -point.normal;
         let on_mesh = point.position + outwards * (0.5 * point.overlap);
-        let touch =
-            |radius: f64, kind| Self { on_mesh, outwards, ball: on_mesh + outwards * (radius - point.overlap), kind };
-        let scale = at.mesh_from_body.scale;
-        if let PartGeometry::Sphere { radius, .. } = &at.part.geometry {
-            touch(radius * scale, TouchKind::Ball)
-        } else if let PartGeometry::Spherocylinder { ends, radius } = &at.part.geometry {
-            let touch = touch(radius * scale, TouchKind::Line);
-            let near = 1e-9 * at.part.radius * scale;
-            let is_end = ends.iter().any(|end| (at.mesh_from_body.point(end) - touch.ball).norm() <= near);
-            Self { kind: if is_end { TouchKind::Ball } else { TouchKind::Line }, ..touch }
-        } else if let PartGeometry::RoundedPolyhedron(p) = &at.part.geometry {
-            let is_edge = point.feature.kind() == 3;
-            touch(p.skeleton.radius * scale, if is_edge { TouchKind::Line } else { TouchKind::Ball })
+        let ball = on_mesh + outwards * (at.ball_radius() - point.overlap);
+        let is_line = if let PartGeometry::Spherocylinder { ends, .. } = &at.part.geometry {
+            let near = 1e-9 * at.part.radius * at.mesh_from_body.scale;
+            !ends.iter().any(|end| (at.mesh_from_body.point(end) - ball).norm() <= near)
         } else {
-            touch(0.0, TouchKind::Sharp)
-        }
+            at.part.is_rounded_polyhedron() && point.feature.kind() == 3
+        };
+        let is_ball = at.part.is_rounded_polyhedron()
+            || matches!(at.part.geometry, PartGeometry::Sphere { .. } | PartGeometry::Spherocylinder { .. });
+        let kind = match (is_line, is_ball) {
+            (true, _) => TouchKind::Line,
+            (false, true) => TouchKind::Ball,
+            (false, false) => TouchKind::Sharp,
+        };
+        Self { on_mesh, outwards, ball, kind }
     }
 
     /// Sine of the angle between a spherocylinder and a direction; 1 for other parts.

@@ -1,4 +1,5 @@
 //! Triangle meshes for scenes.
+#![allow(dead_code)]
 
 pub type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
