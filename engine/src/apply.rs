@@ -97,6 +97,11 @@ impl Engine {
             let problem = format!("'{name}' is not a boundary; the scene has {known:?}");
             return Err(InvalidInput::new("set_motion.boundary", problem));
         }
+        let several = self.boundaries.iter().filter(|boundary| boundary.answers_to(name)).count() > 1;
+        if several && matches!(motion, MotionDescription::Servo { .. }) {
+            let problem = format!("'{name}' is a box; a servo moves one of its sides, such as '{name}/z+'");
+            return Err(InvalidInput::new("set_motion.boundary", problem));
+        }
         let time_s = self.clock.time_s();
         for boundary in self.boundaries.iter_mut().filter(|boundary| boundary.answers_to(name)) {
             boundary.set_motion(motion.clone(), time_s);

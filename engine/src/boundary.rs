@@ -249,7 +249,41 @@ impl Boundary {
             start_rate,
             description,
         };
+        if self.servo().is_some() {
+            self.velocity = Vec3::zeros();
+            self.angular_velocity = Vec3::zeros();
+        }
         self.move_to(time_s);
+    }
+
+    /// Direction and target, N, if it moves by the force on it.
+    fn servo(&self) -> Option<(Vec3, f64)> {
+        let MotionDescription::Servo { direction, force_n, pressure_pa, area_m2, .. } = &self.motion.description else {
+            return None;
+        };
+        let target = force_n.or_else(|| Some((*pressure_pa)? * (*area_m2)?)).unwrap_or(0.0);
+        Some((unit(direction), target))
+    }
+
+    /// Whether it moves by the force on it.
+    pub fn is_servo(&self) -> bool {
+        matches!(self.motion.description, MotionDescription::Servo { .. })
+    }
+
+    /// Moves a servo over a step of `time_s`, by the force (N) of the particles on it at its start. Returns the work (J)
+    /// on the particles that the trapezoidal rule misses because the velocity jumps: the force at the start of the step
+    /// acts over it with the new velocity.
+    pub(crate) fn drive(&mut self, force: &Vec3, time_s: f64) -> f64 {
+        let Some((direction, target)) = self.servo() else { return 0.0 };
+        let MotionDescription::Servo { gain_m_per_s_per_n: gain, max_velocity_m_per_s: most, .. } =
+            self.motion.description
+        else {
+            return 0.0;
+        };
+        let before = self.velocity;
+        self.velocity = direction * (gain * (target + force.dot(&direction))).clamp(-most, most);
+        self.point += self.velocity * time_s;
+        -0.5 * time_s * force.dot(&(self.velocity - before))
     }
 
     /// Puts the boundary where it is at `time_s`.
@@ -275,6 +309,8 @@ impl Boundary {
                 let (displacement, velocity) = table_at(times_s, displacements_m, t.max(0.0));
                 self.shift_to(displacement, velocity);
             }
+            // moved by `drive`
+            MotionDescription::Servo { .. } => self.pivot = self.point,
             MotionDescription::Rotation { point_m, axis, angular_velocity } => {
                 let axis = unit(axis);
                 let (angle, rate) = angular_velocity.at(motion.start_rate, t);
@@ -323,6 +359,7 @@ impl Boundary {
     pub fn largest_closing_speed(&self, reach: f64) -> f64 {
         match &self.motion.description {
             MotionDescription::Fixed => 0.0,
+            MotionDescription::Servo { max_velocity_m_per_s, .. } => *max_velocity_m_per_s,
             MotionDescription::Translation { velocity_m_per_s } => Vec3::from(*velocity_m_per_s).norm(),
             MotionDescription::Oscillation { amplitude_m, frequency_hz, .. } => {
                 Vec3::from(*amplitude_m).norm() * std::f64::consts::TAU * frequency_hz
@@ -374,7 +411,8 @@ impl Boundary {
         [q.w, q.i, q.j, q.k]
     }
 
-    /// Numbers that determine the boundary's future, for the state hash and checkpoints.
+    /// Numbers that determine the boundary's future, for the state hash and checkpoints; the velocity of a servo's next
+    /// step follows from its contacts.
     pub fn state_words(&self) -> [f64; 9] {
         let (p, w, v) = (self.point, self.angular_velocity, self.velocity);
         [p.x, p.y, p.z, self.angle, w.x, w.y, w.z, v.norm(), self.motion.start_time_s]

@@ -69,6 +69,7 @@ pub mod particles;
 mod random;
 pub mod report;
 pub mod scene;
+mod servo;
 pub mod shape;
 pub mod snapshot;
 mod step;

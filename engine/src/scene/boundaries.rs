@@ -30,6 +30,12 @@ pub(super) fn expand_boxes(description: &mut SceneDescription, problems: &mut Pr
                 if let Some(axis) = (0..3).find(|&axis| max_m[axis] <= min_m[axis]) {
                     problems.add(format!("{path}.max_m[{axis}]"), "must be above min_m");
                 }
+                if matches!(boundary.motion, MotionDescription::Servo { .. }) {
+                    problems.add(
+                        format!("boundary[{k}].motion"),
+                        "is a servo: give it to one side of the box by a command",
+                    );
+                }
                 expanded.extend(planes_of(&boundary, (min_m, max_m), open));
                 if expanded.len() == before {
                     problems.add(format!("{path}.open"), "leaves no side");
@@ -147,6 +153,7 @@ pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(),
         MotionDescription::Translation { velocity_m_per_s } => {
             problems.finite(&format!("{path}.velocity_m_per_s"), velocity_m_per_s);
         }
+        MotionDescription::Servo { .. } => check_servo(motion, path, &mut problems),
         MotionDescription::Rotation { point_m, axis, angular_velocity } => {
             problems.finite(&format!("{path}.point_m"), point_m);
             problems.direction(&format!("{path}.axis"), axis);
@@ -174,6 +181,27 @@ fn check_angular_velocity(angular_velocity: &AngularVelocity, path: &str, proble
             problems.finite(&format!("{path}.amplitude_rad_per_s"), &[amplitude_rad_per_s]);
             check_wave(frequency_hz, phase_rad, path, problems);
         }
+    }
+}
+
+fn check_servo(motion: &MotionDescription, path: &str, problems: &mut Problems) {
+    let MotionDescription::Servo { direction, force_n, pressure_pa, area_m2, gain_m_per_s_per_n, max_velocity_m_per_s } =
+        motion
+    else {
+        return;
+    };
+    problems.direction(&format!("{path}.direction"), direction);
+    match (force_n, pressure_pa, area_m2) {
+        (Some(force), None, None) => problems.finite(&format!("{path}.force_n"), &[*force]),
+        (None, Some(pressure), Some(area)) => {
+            problems.finite(&format!("{path}.pressure_pa"), &[*pressure]);
+            problems.in_range(&format!("{path}.area_m2"), *area, "finite and above 0", *area > 0.0);
+        }
+        _ => problems.add(format!("{path}.force_n"), "give force_n, or pressure_pa and area_m2"),
+    }
+    let above_0 = [("gain_m_per_s_per_n", *gain_m_per_s_per_n), ("max_velocity_m_per_s", *max_velocity_m_per_s)];
+    for (key, value) in above_0 {
+        problems.in_range(&format!("{path}.{key}"), value, "finite and above 0", value > 0.0);
     }
 }
 

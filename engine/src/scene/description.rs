@@ -439,6 +439,26 @@ pub enum MotionDescription {
         #[serde(default)]
         phase_rad: f64,
     },
+    /// Moves along a direction until it presses on the particles with a force: velocity = gain (target - measured), cut at
+    /// the largest velocity; measured is the force at the end of the step before. Stable where gain times the stiffness
+    /// of what it presses on times the time step is well below 1.
+    Servo {
+        /// In which it presses; need not be of unit length.
+        direction: [f64; 3],
+        /// Target. Give this, or `pressure_pa` and `area_m2`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        force_n: Option<f64>,
+        /// Target over `area_m2`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pressure_pa: Option<f64>,
+        /// What the pressure acts on.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        area_m2: Option<f64>,
+        /// Velocity per missing force, m/(s N); above 0.
+        gain_m_per_s_per_n: f64,
+        /// Above 0.
+        max_velocity_m_per_s: f64,
+    },
     /// Displacement over time, linear between the rows, from where it is at the command; at rest after the last row.
     Table {
         /// Since the command: 0 first, then ascending.
