@@ -92,12 +92,20 @@ impl Engine {
 
     fn set_motion(&mut self, name: &str, motion: &MotionDescription) -> Result<Effect, InvalidInput> {
         check_motion(motion, "set_motion.motion")?;
-        let Some(index) = self.boundaries.iter().position(|boundary| boundary.name == name) else {
+        if !self.boundaries.iter().any(|boundary| boundary.answers_to(name)) {
             let known: Vec<&str> = self.boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
             let problem = format!("'{name}' is not a boundary; the scene has {known:?}");
             return Err(InvalidInput::new("set_motion.boundary", problem));
-        };
-        self.boundaries[index].set_motion(motion.clone(), self.clock.time_s());
+        }
+        let several = self.boundaries.iter().filter(|boundary| boundary.answers_to(name)).count() > 1;
+        if several && matches!(motion, MotionDescription::Servo { .. }) {
+            let problem = format!("'{name}' is a box; a servo moves one of its sides, such as '{name}/z+'");
+            return Err(InvalidInput::new("set_motion.boundary", problem));
+        }
+        let time_s = self.clock.time_s();
+        for boundary in self.boundaries.iter_mut().filter(|boundary| boundary.answers_to(name)) {
+            boundary.set_motion(motion.clone(), time_s);
+        }
         // The bound on how far walls have come since the list was built holds for the old motion only.
         self.neighbours.invalidate();
         Ok(Effect::MotionSet)

@@ -1,7 +1,12 @@
 //! Walls and drums with prescribed motion.
 
-use crate::math::{Mat3, Similarity, Vec3};
+use std::sync::Arc;
+
+use crate::math::{Mat3, Quat, Similarity, Vec3};
+use crate::mesh::Mesh;
+use crate::narrow::{self, Manifold};
 use crate::scene::{AngularVelocity, BoundaryDescription, BoundaryGeometry, MotionDescription};
+use crate::shape::Part;
 
 /// Geometry in a wall frame, as the narrow phase wants it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +15,27 @@ pub enum WallShape {
     Plane,
     /// Outside of the cylinder of this radius about z.
     CylinderInside(f64),
+    /// Inside of the cylinder of this radius about z.
+    CylinderOutside(f64),
+    /// Triangles, whose elements have slots of their own.
+    Mesh,
+}
+
+impl WallShape {
+    /// Appends the contacts of a part, in the frame of the wall.
+    pub fn contacts(self, part: &Part, wall_from_body: &Similarity, out: &mut Manifold) {
+        match self {
+            WallShape::Plane => narrow::part_plane(part, wall_from_body, out),
+            WallShape::CylinderInside(radius) => narrow::part_cylinder(part, wall_from_body, radius, out),
+            WallShape::CylinderOutside(radius) => narrow::part_roller(part, wall_from_body, radius, out),
+            WallShape::Mesh => debug_assert!(false, "a mesh is met element by element"),
+        }
+    }
+
+    /// Whether polyhedra that have cores meet it, or its patches, by generalized overlap; else by points.
+    pub fn has_overlap_terms(self) -> bool {
+        !matches!(self, WallShape::CylinderOutside(_))
+    }
 }
 
 /// A boundary of the running engine.
@@ -21,9 +47,10 @@ pub struct Boundary {
     pub material: u32,
     /// Geometry.
     pub shape: WallShape,
-    /// Point of the plane or axis now, m.
+    /// Point of the plane or axis, or where the origin of a mesh's vertices is, now, m.
     pub point: Vec3,
-    /// Wall frame now: the third column is the normal of the plane or the direction of the axis.
+    /// Wall frame now: the third column is the normal of the plane or the direction of the axis; of a mesh the frame of its
+    /// vertices.
     pub rotation: Mat3,
     /// Angle turned since the start, rad.
     pub angle: f64,
@@ -34,6 +61,45 @@ pub struct Boundary {
     /// A point of the axis of rotation, m.
     pub pivot: Vec3,
     motion: Motion,
+    mesh: Option<NumberedMesh>,
+}
+
+/// A mesh, and the number that its first element has in slots.
+#[derive(Clone, Debug, PartialEq)]
+struct NumberedMesh {
+    mesh: Arc<Mesh>,
+    first: u32,
+}
+
+/// What side b of a wall's slot is: boundaries by their index, then the elements of all meshes.
+#[derive(Clone, Copy)]
+pub struct WallSide<'a> {
+    /// Index of the boundary.
+    pub index: usize,
+    /// The boundary.
+    pub boundary: &'a Boundary,
+    /// The mesh and which of its elements.
+    pub element: Option<(&'a Mesh, u32)>,
+}
+
+impl<'a> WallSide<'a> {
+    /// Of side b of a slot.
+    #[inline]
+    pub fn of(boundaries: &'a [Boundary], b: u32) -> Self {
+        if let Some(boundary) = boundaries.get(b as usize) {
+            return Self { index: b as usize, boundary, element: None };
+        }
+        Self::of_element(boundaries, b)
+    }
+
+    fn of_element(boundaries: &'a [Boundary], b: u32) -> Self {
+        let holds = |numbered: &NumberedMesh| b >= numbered.first && b - numbered.first < numbered.mesh.n_elements();
+        let found = boundaries.iter().enumerate().find_map(|(index, boundary)| {
+            let numbered = boundary.mesh.as_ref().filter(|numbered| holds(numbered))?;
+            Some(Self { index, boundary, element: Some((&*numbered.mesh, b - numbered.first)) })
+        });
+        found.expect("slots name boundaries and elements that are there")
+    }
 }
 
 /// The motion from `start` on.
@@ -54,7 +120,7 @@ fn unit(v: &[f64; 3]) -> Vec3 {
 }
 
 /// A right-handed frame whose third axis is `z`.
-fn frame_with_z(z: &Vec3) -> Mat3 {
+pub(crate) fn frame_with_z(z: &Vec3) -> Mat3 {
     let smallest = z.iamin();
     let mut other = Vec3::zeros();
     other[smallest] = 1.0;
@@ -112,8 +178,17 @@ impl Boundary {
             BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
                 (WallShape::CylinderInside(*radius_m), point_m, axis)
             }
+            // its frame is the one that its vertices are given in
+            BoundaryGeometry::Mesh { .. } => (WallShape::Mesh, &[0.0; 3], &[0.0, 0.0, 1.0]),
+            BoundaryGeometry::Box { .. } | BoundaryGeometry::MeshFile { .. } => {
+                unreachable!("validation puts planes in the place of boxes and refuses files that nobody has read")
+            }
+            BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
+                (WallShape::CylinderOutside(*radius_m), point_m, axis)
+            }
         };
-        let rotation = frame_with_z(&unit(direction));
+        let is_mesh = shape == WallShape::Mesh;
+        let rotation = if is_mesh { Mat3::identity() } else { frame_with_z(&unit(direction)) };
         let point = Vec3::from(*point);
         let motion = Motion {
             start_time_s: 0.0,
@@ -134,9 +209,32 @@ impl Boundary {
             angular_velocity: Vec3::zeros(),
             pivot: point,
             motion,
+            mesh: None,
         };
         boundary.set_motion(description.motion.clone(), 0.0);
         boundary
+    }
+
+    /// Gives it the mesh it is made of; `first` is the number of the first element, that of the next mesh is returned.
+    pub(crate) fn set_mesh(&mut self, mesh: Mesh, first: u32) -> u32 {
+        let next = first + mesh.n_elements();
+        self.mesh = Some(NumberedMesh { mesh: Arc::new(mesh), first });
+        next
+    }
+
+    /// The mesh it is made of.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        self.mesh.as_ref().map(|numbered| &*numbered.mesh)
+    }
+
+    /// The mesh with the number of its first element in slots.
+    pub(crate) fn numbered_mesh(&self) -> Option<(&Mesh, u32)> {
+        self.mesh.as_ref().map(|numbered| (&*numbered.mesh, numbered.first))
+    }
+
+    /// Whether a command for `name` means this boundary: by its name, or by that of its box.
+    pub fn answers_to(&self, name: &str) -> bool {
+        self.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
     }
 
     /// Starts another motion at `time_s`, from the present pose; a ramp starts at the present angular velocity.
@@ -153,7 +251,41 @@ impl Boundary {
             start_rate,
             description,
         };
+        if self.servo().is_some() {
+            self.velocity = Vec3::zeros();
+            self.angular_velocity = Vec3::zeros();
+        }
         self.move_to(time_s);
+    }
+
+    /// Direction and target, N, if it moves by the force on it.
+    fn servo(&self) -> Option<(Vec3, f64)> {
+        let MotionDescription::Servo { direction, force_n, pressure_pa, area_m2, .. } = &self.motion.description else {
+            return None;
+        };
+        let target = force_n.or_else(|| Some((*pressure_pa)? * (*area_m2)?)).unwrap_or(0.0);
+        Some((unit(direction), target))
+    }
+
+    /// Whether it moves by the force on it.
+    pub fn is_servo(&self) -> bool {
+        matches!(self.motion.description, MotionDescription::Servo { .. })
+    }
+
+    /// Moves a servo over a step of `time_s`, by the force (N) of the particles on it at its start. Returns the work (J)
+    /// on the particles that the trapezoidal rule misses because the velocity jumps: the force at the start of the step
+    /// acts over it with the new velocity.
+    pub(crate) fn drive(&mut self, force: &Vec3, time_s: f64) -> f64 {
+        let Some((direction, target)) = self.servo() else { return 0.0 };
+        let MotionDescription::Servo { gain_m_per_s_per_n: gain, max_velocity_m_per_s: most, .. } =
+            self.motion.description
+        else {
+            return 0.0;
+        };
+        let before = self.velocity;
+        self.velocity = direction * (gain * (target + force.dot(&direction))).clamp(-most, most);
+        self.point += self.velocity * time_s;
+        -0.5 * time_s * force.dot(&(self.velocity - before))
     }
 
     /// Puts the boundary where it is at `time_s`.
@@ -179,6 +311,8 @@ impl Boundary {
                 let (displacement, velocity) = table_at(times_s, displacements_m, t.max(0.0));
                 self.shift_to(displacement, velocity);
             }
+            // moved by `drive`
+            MotionDescription::Servo { .. } => self.pivot = self.point,
             MotionDescription::Rotation { point_m, axis, angular_velocity } => {
                 let axis = unit(axis);
                 let (angle, rate) = angular_velocity.at(motion.start_rate, t);
@@ -209,8 +343,9 @@ impl Boundary {
         let direction = self.motion.start_rotation.column(2).into_owned();
         let parallel = direction.cross(axis).norm() < 1e-14;
         match self.shape {
+            WallShape::Mesh => false,
             WallShape::Plane => parallel,
-            WallShape::CylinderInside(radius) => {
+            WallShape::CylinderInside(radius) | WallShape::CylinderOutside(radius) => {
                 parallel && (self.motion.start_point - pivot).cross(axis).norm() < 1e-14 * radius
             }
         }
@@ -226,6 +361,7 @@ impl Boundary {
     pub fn largest_closing_speed(&self, reach: f64) -> f64 {
         match &self.motion.description {
             MotionDescription::Fixed => 0.0,
+            MotionDescription::Servo { max_velocity_m_per_s, .. } => *max_velocity_m_per_s,
             MotionDescription::Translation { velocity_m_per_s } => Vec3::from(*velocity_m_per_s).norm(),
             MotionDescription::Oscillation { amplitude_m, frequency_hz, .. } => {
                 Vec3::from(*amplitude_m).norm() * std::f64::consts::TAU * frequency_hz
@@ -253,13 +389,15 @@ impl Boundary {
         }
     }
 
-    /// Distance of a point from the surface, positive on the particles' side.
+    /// Distance of a point from the surface, positive on the particles' side; of a mesh unknown, minus infinity.
     #[inline]
     pub fn distance(&self, x: &Vec3) -> f64 {
         let local = self.rotation.tr_mul(&(x - self.point));
         match self.shape {
             WallShape::Plane => local.z,
+            WallShape::Mesh => f64::NEG_INFINITY,
             WallShape::CylinderInside(radius) => radius - (local.x * local.x + local.y * local.y).sqrt(),
+            WallShape::CylinderOutside(radius) => (local.x * local.x + local.y * local.y).sqrt() - radius,
         }
     }
 
@@ -268,7 +406,15 @@ impl Boundary {
         self.rotation.column(2).into_owned()
     }
 
-    /// Numbers that determine the boundary's future, for the state hash and checkpoints.
+    /// Present rotation of the wall frame (w, x, y, z).
+    pub fn orientation_wxyz(&self) -> [f64; 4] {
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(self.rotation);
+        let q = Quat::from_rotation_matrix(&rotation);
+        [q.w, q.i, q.j, q.k]
+    }
+
+    /// Numbers that determine the boundary's future, for the state hash and checkpoints; the velocity of a servo's next
+    /// step follows from its contacts.
     pub fn state_words(&self) -> [f64; 9] {
         let (p, w, v) = (self.point, self.angular_velocity, self.velocity);
         [p.x, p.y, p.z, self.angle, w.x, w.y, w.z, v.norm(), self.motion.start_time_s]

@@ -13,7 +13,7 @@ pub enum Command {
     SetGravity([f64; 3]),
     /// Gives a boundary another motion, from the present time on.
     SetMotion {
-        /// Name of the boundary.
+        /// Name of the boundary; that of a box for all its sides.
         boundary: String,
         /// Its motion.
         motion: MotionDescription,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::boundary::Boundary;
+use crate::boundary::{Boundary, WallSide};
 use crate::broad::{NeighbourInputs, Neighbours};
 use crate::clock::Clock;
 use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, Sums};
@@ -374,7 +374,7 @@ impl Engine {
         }
         let slot = slots[slot as usize];
         let b = if slot.kind.is_wall() {
-            format!("boundary \"{}\"", self.boundaries[slot.b as usize].name)
+            format!("boundary \"{}\"", WallSide::of(&self.boundaries, slot.b).boundary.name)
         } else {
             format!("particle {}", particles.ids[particles.owner(slot.b as usize)])
         };

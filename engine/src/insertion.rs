@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use crate::boundary::{Boundary, WallShape};
+use crate::boundary::Boundary;
 use crate::cell::Cell;
 use crate::error::InvalidInput;
 use crate::math::{Quat, Similarity, Vec3};
+use crate::mesh::{Mesh, PartAtMesh};
 use crate::narrow::{self, Manifold, PairCache};
 use crate::particles::NewParticle;
 use crate::random::{Draw, Purpose};
@@ -424,12 +425,34 @@ fn touches_boundary(a: &NewParticle, boundary: &Boundary, scene: &Scene, manifol
     }
     let rotation = a.orientation.to_rotation_matrix().into_inner();
     let wall_from_body = boundary.wall_from_body(&a.position, &rotation, a.scale);
+    if let Some(mesh) = boundary.mesh() {
+        return touches_mesh(a, mesh, &wall_from_body, scene, manifold);
+    }
     scene.shapes()[a.shape as usize].parts().iter().any(|part| {
         manifold.clear();
-        match boundary.shape {
-            WallShape::Plane => narrow::part_plane(part, &wall_from_body, manifold),
-            WallShape::CylinderInside(radius) => narrow::part_cylinder(part, &wall_from_body, radius, manifold),
-        }
+        boundary.shape.contacts(part, &wall_from_body, manifold);
         !manifold.points().is_empty()
+    })
+}
+
+/// A part that touches a patch with its centre on the other side touches as well.
+fn touches_mesh(
+    a: &NewParticle,
+    mesh: &Mesh,
+    mesh_from_body: &Similarity,
+    scene: &Scene,
+    manifold: &mut Manifold,
+) -> bool {
+    let shape = &scene.shapes()[a.shape as usize];
+    let mut near = Vec::new();
+    shape.parts().iter().any(|part| {
+        let centre = mesh_from_body.point(&part.center);
+        mesh.near(&centre, part.radius * a.scale, f64::INFINITY, &mut near);
+        let at = PartAtMesh { part, mesh_from_body, deepest: 2.0 * part.radius * a.scale };
+        near.iter().any(|&element| {
+            manifold.clear();
+            mesh.contacts(element, &at, manifold);
+            !manifold.is_empty() || mesh.height_above(element, &centre).is_some_and(|height| height <= 0.0)
+        })
     })
 }

@@ -10,7 +10,8 @@
 //! | [`engine`], `step`, `apply`, `view` | the owner of all state; one step; commands; what may be read |
 //! | [`shape`], [`narrow`] | shapes with their mass properties; where two of them touch |
 //! | [`broad`], [`contact`] | which pairs may touch; persistent contacts and their laws |
-//! | [`integrate`], [`boundary`], [`insertion`] | motion of particles and walls; new particles |
+//! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
+//! | [`mesh_file`] | OBJ and STL files, and the convex parts that they describe |
 //! | [`fields`] | coarse graining |
 //!
 //! ```
@@ -63,12 +64,14 @@ pub mod insertion;
 pub mod integrate;
 pub mod math;
 pub mod mesh;
+pub mod mesh_file;
 pub mod narrow;
 mod parallel;
 pub mod particles;
 mod random;
 pub mod report;
 pub mod scene;
+mod servo;
 pub mod shape;
 pub mod snapshot;
 mod step;

@@ -36,7 +36,7 @@ pub struct Snapshot {
 pub struct BoundaryState {
     /// Name in the scene.
     pub name: String,
-    /// A point of the plane or of the cylinder's axis, now, m.
+    /// A point of the plane or of the cylinder's axis, or where the origin of a mesh is, now, m.
     pub point_m: [f64; 3],
     /// Normal of the plane or direction of the axis, now.
     pub direction: [f64; 3],
@@ -48,4 +48,6 @@ pub struct BoundaryState {
     pub force_n: [f64; 3],
     /// Torque of the particles on it about `point_m`, N m.
     pub torque_n_m: [f64; 3],
+    /// World from the frame of a mesh's vertices, now (w, x, y, z); of others a frame whose third axis is `direction`.
+    pub orientation_wxyz: [f64; 4],
 }

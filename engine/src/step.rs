@@ -12,6 +12,7 @@ impl Engine {
         // From step n to n+1: positions first, with the forces of step n.
         self.half_kick_and_drift();
         self.wrap_into_cell();
+        self.drive_servos();
         self.move_boundaries();
         self.lap(Stage::Drift);
 

@@ -2,6 +2,7 @@
 
 use xxhash_rust::xxh3::Xxh3;
 
+use crate::boundary::WallSide;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::fields::{self, FieldDefinition, FieldFrame, FieldSample};
@@ -50,6 +51,7 @@ impl Engine {
                 angular_velocity_rad_per_s: boundary.angular_velocity.norm(),
                 force_n: [0.0; 3],
                 torque_n_m: [0.0; 3],
+                orientation_wxyz: boundary.orientation_wxyz(),
             })
             .collect();
         for (slot, wrench) in self.touching_walls() {
@@ -70,7 +72,7 @@ impl Engine {
             .iter()
             .zip(&table.wrenches)
             .filter(|(slot, wrench)| slot.kind.is_wall() && wrench.points > 0)
-            .map(|(slot, wrench)| ((slot.a as usize, slot.b as usize), wrench))
+            .map(|(slot, wrench)| ((slot.a as usize, WallSide::of(&self.boundaries, slot.b).index), wrench))
     }
 
     /// How good the run is.
@@ -141,12 +143,14 @@ impl Engine {
         let mut last = None;
         for (slot, wrench) in self.contacts.slots.iter().zip(&self.contacts.wrenches) {
             // Slots of the same two bodies follow each other.
-            let key = (slot.kind, slot.a, slot.b);
+            let is_wall = slot.kind.is_wall();
+            let b = if is_wall { WallSide::of(&self.boundaries, slot.b).index } else { slot.b as usize };
+            let key = (slot.kind, slot.a, b);
             if wrench.points == 0 || last == Some(key) {
                 continue;
             }
             last = Some(key);
-            if slot.kind.is_wall() {
+            if is_wall {
                 walls += 1;
             } else {
                 pairs += 1;

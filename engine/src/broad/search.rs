@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::levels::Levels;
 use super::neighbours::NeighbourInputs;
+use crate::boundary::Boundary;
 use crate::contact::{Slot, SlotKind};
+use crate::mesh::Mesh;
 use crate::narrow::apart_by;
 use crate::parallel::least;
 use crate::particles::Particles;
@@ -23,6 +25,8 @@ pub struct Found {
     features: Vec<Slot>,
     walls: Vec<Slot>,
     rounded_walls: Vec<Slot>,
+    /// Scratch: elements of a mesh.
+    elements: Vec<u32>,
 }
 
 impl Found {
@@ -130,9 +134,33 @@ impl Search<'_> {
         }
     }
 
+    /// One slot for each element of a mesh that a part may touch.
+    fn find_elements(&self, row: usize, boundary: &Boundary, (mesh, first): (&Mesh, u32), found: &mut Found) {
+        let (particles, inputs) = (self.particles, self.inputs);
+        let scale = particles.scale[row];
+        let mesh_from_body = boundary.wall_from_body(&particles.position[row], &particles.rotation[row], scale);
+        for (k, part) in inputs.shapes[particles.shape[row] as usize].parts().iter().enumerate() {
+            let centre = mesh_from_body.point(&part.center);
+            mesh.near(&centre, part.radius * scale + self.skin, self.skin, &mut found.elements);
+            for &element in &found.elements {
+                let rounded = inputs.rounded && mesh.is_patch(element) && is_polyhedron(part);
+                let (kind, list) = if rounded {
+                    (SlotKind::RoundedWall, &mut found.rounded_walls)
+                } else {
+                    (SlotKind::Wall, &mut found.walls)
+                };
+                list.push(Slot { a: row as u32, b: first + element, part_a: k as u16, part_b: 0, kind });
+            }
+        }
+    }
+
     fn find_walls(&self, row: usize, found: &mut Found) {
         let (particles, inputs) = (self.particles, self.inputs);
         for (index, boundary) in inputs.boundaries.iter().enumerate() {
+            if let Some((mesh, first)) = boundary.numbered_mesh() {
+                self.find_elements(row, boundary, (mesh, first), found);
+                continue;
+            }
             if boundary.distance(&particles.position[row]) >= particles.radius[row] + self.skin {
                 continue;
             }
@@ -140,7 +168,7 @@ impl Search<'_> {
                 let scale = particles.scale[row];
                 let centre = particles.position[row] + particles.rotation[row] * (part.center * scale);
                 if boundary.distance(&centre) < part.radius * scale + self.skin {
-                    let rounded = inputs.rounded && is_polyhedron(part);
+                    let rounded = inputs.rounded && boundary.shape.has_overlap_terms() && is_polyhedron(part);
                     let (kind, list) = if rounded {
                         (SlotKind::RoundedWall, &mut found.rounded_walls)
                     } else {

@@ -6,7 +6,7 @@ use super::evaluate_overlap::evaluate_overlaps;
 use super::evaluate_points::evaluate_points;
 use super::law::{PairLaw, PairTable, coulomb_history, normal_force};
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, Sums, Wrench, least_chunks};
-use crate::boundary::Boundary;
+use crate::boundary::{Boundary, WallSide};
 use crate::math::Vec3;
 use crate::particles::Particles;
 use crate::scene::{ContactEnd, PointLaws, RoundedShapes, Tangential};
@@ -95,7 +95,7 @@ impl<'a> Pair<'a> {
         let particles = inputs.particles;
         let (a, b) = (slot.a as usize, slot.b as usize);
         if slot.kind == SlotKind::Wall {
-            let boundary = &inputs.boundaries[b];
+            let boundary = WallSide::of(inputs.boundaries, slot.b).boundary;
             let law = inputs.pairs.law(particles.material[a], boundary.material);
             let damping = law.damping(particles.mass[a]);
             return Self { a, b: None, boundary: Some(boundary), law, damping, smaller_radius: particles.radius[a] };

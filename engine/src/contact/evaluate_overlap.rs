@@ -4,7 +4,7 @@ use super::evaluate::ForceInputs;
 use super::law::{PairLaw, coulomb_history, rocking_force, torsion_history};
 use super::overlap::{OverlapChunk, OverlapContact};
 use super::table::{Slot, Sums, Wrench};
-use crate::boundary::Boundary;
+use crate::boundary::{Boundary, WallSide};
 use crate::math::Vec3;
 use crate::narrow::generalized_overlap::OverlapPoint;
 use crate::scene::{RoundedShapes, Tangential};
@@ -80,7 +80,7 @@ impl<'a> Pair<'a> {
         let (a, b) = (slot.a as usize, slot.b as usize);
         let of_a = &particles.motion[a];
         if slot.kind.is_wall() {
-            let boundary = &inputs.boundaries[b];
+            let boundary = WallSide::of(inputs.boundaries, slot.b).boundary;
             let surface = boundary.surface_velocity(&particles.position[a]);
             return Self {
                 a,

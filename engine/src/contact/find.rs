@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::law::share_stiffness;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, least_chunks};
-use crate::boundary::{Boundary, WallShape};
+use crate::boundary::{Boundary, WallSide};
 use crate::math::Vec3;
+use crate::mesh::PartAtMesh;
 use crate::narrow::{self, Manifold, PairCache};
 use crate::particles::Particles;
 use crate::scene::{RoundedShapes, Sharing};
@@ -108,7 +109,7 @@ fn part_pair(
 fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Manifold, contacts: &mut Vec<Contact>) {
     let particles = inputs.particles;
     let a = slot.a as usize;
-    let boundary = &inputs.boundaries[slot.b as usize];
+    let WallSide { boundary, element, .. } = WallSide::of(inputs.boundaries, slot.b);
     // The neighbour list saw the row one or more periodic cells away: walls stay where they are.
     if boundary.distance(&particles.position[a]) >= particles.radius[a] {
         return;
@@ -116,9 +117,12 @@ fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Ma
     let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
     let wall_from_body = boundary.wall_from_body(&particles.position[a], &particles.rotation[a], particles.scale[a]);
     manifold.clear();
-    match boundary.shape {
-        WallShape::Plane => narrow::part_plane(part, &wall_from_body, manifold),
-        WallShape::CylinderInside(radius) => narrow::part_cylinder(part, &wall_from_body, radius, manifold),
+    match element {
+        None => boundary.shape.contacts(part, &wall_from_body, manifold),
+        Some((mesh, element)) => {
+            let deepest = inputs.shapes[particles.shape[a] as usize].half_thickness() * particles.scale[a];
+            mesh.contacts(element, &PartAtMesh { part, mesh_from_body: &wall_from_body, deepest }, manifold);
+        }
     }
     // each vertex of a rounded polyhedron is a contact of its own, as between two of them
     if !part.is_rounded_polyhedron() {

@@ -2,8 +2,9 @@
 
 use super::find::FindInputs;
 use super::table::Slot;
-use crate::boundary::WallShape;
+use crate::boundary::{WallShape, WallSide};
 use crate::math::{Mat3, Vec3};
+use crate::mesh::PartAtMesh;
 use crate::narrow::generalized_overlap::{
     ActiveTerms, Core, Overlap, OverlapGeometry, OverlapPoint, RoundedPair, Scratch, Term, aggregate,
     polyhedron_cylinder, polyhedron_plane,
@@ -112,7 +113,7 @@ impl OverlapChunk {
     pub fn find_wall(&mut self, index: u32, slot: &Slot, inputs: &FindInputs<'_>, rounded: &RoundedShapes) {
         let particles = inputs.particles;
         let a = slot.a as usize;
-        let boundary = &inputs.boundaries[slot.b as usize];
+        let WallSide { boundary, element, .. } = WallSide::of(inputs.boundaries, slot.b);
         // The neighbour list saw the row one or more periodic cells away: walls stay where they are.
         if boundary.distance(&particles.position[a]) >= particles.radius[a] {
             return;
@@ -122,6 +123,19 @@ impl OverlapChunk {
             boundary.wall_from_body(&particles.position[a], &particles.rotation[a], particles.scale[a]);
         let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
         let PartGeometry::Polyhedron(solid) = &part.geometry else { unreachable!("only polyhedra have cores") };
+        if let Some((mesh, element)) = element {
+            let deepest = inputs.shapes[particles.shape[a] as usize].half_thickness() * particles.scale[a];
+            let at = PartAtMesh { part, mesh_from_body: &wall_from_body, deepest };
+            let (mesh_from_patch, patch_from_body) = mesh.patch_terms(element, solid, &at, &mut self.terms);
+            let frame = TermFrame {
+                rotation: boundary.rotation * mesh_from_patch.rotation,
+                centre: patch_from_body.translation,
+                unit: 1.0,
+                radius_sum: core.radius * particles.scale[a],
+            };
+            let geometry = rounded.geometry.as_ref().expect("scenes with volumes have planes only");
+            return self.push_terms(index, &frame, geometry);
+        }
         let frame = TermFrame {
             rotation: boundary.rotation,
             centre: wall_from_body.translation,
@@ -142,6 +156,7 @@ impl OverlapChunk {
             (WallShape::CylinderInside(radius), _) => {
                 polyhedron_cylinder(solid, &wall_from_body, radius, &mut self.terms);
             }
+            (WallShape::CylinderOutside(_) | WallShape::Mesh, _) => unreachable!("polyhedra meet these by points"),
         }
         let geometry = rounded.geometry.as_ref().expect("scenes with volumes have planes only");
         self.push_terms(index, &frame, geometry);

@@ -1,9 +1,43 @@
-//! The one place where parry's types are spoken: it builds hulls, and nothing of its contact code is used.
+//! The one place where parry's types are spoken: it builds hulls and trees of boxes; none of its contact code is used.
 
 use super::Vec3;
+use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::transformation::try_convex_hull;
 use std::collections::HashMap;
+
+/// Boxes by number, found by where they are.
+#[derive(Clone)]
+pub(crate) struct BoxTree(Bvh);
+
+impl std::fmt::Debug for BoxTree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "BoxTree of {}", self.0.leaf_count())
+    }
+}
+
+impl BoxTree {
+    /// Of boxes, each from its lower to its upper corner.
+    pub fn new(boxes: impl Iterator<Item = (Vec3, Vec3)>) -> Self {
+        let leaves = boxes.map(|(low, high)| aabb(&low, &high)).enumerate();
+        Self(Bvh::from_iter(BvhBuildStrategy::Binned, leaves))
+    }
+
+    /// Visits the numbers of all boxes that meet a box, in no order.
+    pub fn visit(&self, low: &Vec3, high: &Vec3, visit: impl FnMut(u32)) {
+        self.0.intersect_aabb(&aabb(low, high)).for_each(visit);
+    }
+
+    /// Whether a box that meets a box fits.
+    pub fn any(&self, low: &Vec3, high: &Vec3, fits: impl FnMut(u32) -> bool) -> bool {
+        self.0.intersect_aabb(&aabb(low, high)).any(fits)
+    }
+}
+
+fn aabb(low: &Vec3, high: &Vec3) -> Aabb {
+    Aabb::new(Vector::new(low.x, low.y, low.z), Vector::new(high.x, high.y, high.z))
+}
 
 /// Triangles of the convex hull as indices into `points`, which must be distinct and of unit size.
 ///

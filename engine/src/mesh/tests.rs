@@ -1,180 +1,127 @@
-//! Meshes in both formats against the shapes that they are of, and every error.
+//! Taking meshes apart, and finding their elements.
 
-use proptest::prelude::*;
+use super::{Mesh, MeshError};
+use crate::math::Vec3;
+use crate::narrow::closest_on_segment;
 
-use super::*;
-use crate::math::{Quat, Vec3};
-use crate::scene::{Scene, SceneDescription};
-use crate::shape::{PartGeometry, Shape, ShapeDescription};
+/// Numbers in [-1, 1), the same on every machine.
+struct Random(u64);
 
-const CUBE_OBJ: &str = "# a cube of quadrangles\no cube\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
-                        f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
 
-/// Two triangles for each side of a cube of unit edge, turned and moved.
-fn cube(turn: &Quat, shift: Vec3) -> Vec<[Vec3; 3]> {
-    let meshes = read_mesh(CUBE_OBJ.as_bytes(), MeshFormat::Obj, 1.0).unwrap();
-    let at = |v: u32| turn * Vec3::from(meshes[0].vertices[v as usize]) + shift;
-    meshes[0].triangles.iter().map(|t| t.map(at)).collect()
+    fn vector(&mut self) -> Vec3 {
+        Vec3::from_fn(|_, _| self.next())
+    }
 }
 
-fn text_stl(triangles: &[[Vec3; 3]]) -> String {
-    let mut text = String::from("solid cube\n");
-    for corners in triangles {
-        text += " facet normal 0 0 0\n  outer loop\n";
-        for x in corners {
-            text += &format!("   vertex {:e} {:e} {:e}\n", x.x as f32, x.y as f32, x.z as f32);
+fn cuboid([x, y, z]: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let vertices = (0..8).map(|k| [(k & 1) as f64 * x, (k >> 1 & 1) as f64 * y, (k >> 2) as f64 * z]).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    (vertices, faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect())
+}
+
+/// A sheet of n x n squares over the unit square.
+fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let mut vertices = Vec::new();
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            vertices.push([x, y, height(x, y)]);
         }
-        text += "  endloop\n endfacet\n";
     }
-    text + "endsolid cube\n"
-}
-
-fn binary_stl(triangles: &[[Vec3; 3]]) -> Vec<u8> {
-    let mut bytes = vec![0; 80];
-    bytes.extend((triangles.len() as u32).to_le_bytes());
-    for corners in triangles {
-        bytes.extend([0; 12]);
-        bytes.extend(corners.iter().flat_map(|x| [x.x, x.y, x.z]).flat_map(|c| (c as f32).to_le_bytes()));
-        bytes.extend([0, 0]);
-    }
-    bytes
-}
-
-fn shape(bytes: &[u8], format: MeshFormat) -> Shape {
-    Shape::build(&convex_parts(&read_mesh(bytes, format, 1.0).unwrap()).unwrap()).unwrap()
-}
-
-fn error(bytes: &[u8], format: MeshFormat) -> String {
-    let meshes = read_mesh(bytes, format, 1.0);
-    meshes.and_then(|meshes| convex_parts(&meshes)).unwrap_err().to_string()
-}
-
-/// The same cube from OBJ and from both kinds of STL; polygons and pairs of triangles become six faces.
-#[test]
-fn a_cube_is_a_cube_in_every_format() {
-    let still = cube(&Quat::identity(), Vec3::zeros());
-    for shape in [
-        shape(CUBE_OBJ.as_bytes(), MeshFormat::Obj),
-        shape(text_stl(&still).as_bytes(), MeshFormat::Stl),
-        shape(&binary_stl(&still), MeshFormat::Stl),
-    ] {
-        assert!((shape.mass_properties().volume - 1.0).abs() < 1e-14);
-        let PartGeometry::Polyhedron(solid) = &shape.parts()[0].geometry else { panic!() };
-        assert_eq!((solid.vertices().len(), solid.faces().len(), solid.edges().len()), (8, 6, 12));
-    }
-}
-
-/// Single precision leaves the corners of a turned body off their planes by 1e-7: straightened, a cube has six faces
-/// again, and a pinacoid, at whose corners four faces meet, its eight; both can be rounded.
-#[test]
-fn turned_bodies_in_single_precision_keep_their_faces() {
-    let turn = Quat::from_scaled_axis(Vec3::new(0.3, -1.1, 0.7));
-    let pinacoid =
-        Shape::build(&ShapeDescription::Pinacoid { length_m: 1.0, width_m: 1.0, height_m: 1.0, alpha_deg: 60.0 });
-    let PartGeometry::Polyhedron(solid) = &pinacoid.unwrap().parts()[0].geometry.clone() else { panic!() };
-    let mut of_pinacoid = Vec::new();
-    for face in 0..solid.faces().len() {
-        let corners: Vec<Vec3> = solid
-            .face_vertices(face)
-            .iter()
-            .map(|&v| turn * solid.vertices()[v as usize] + Vec3::repeat(0.4))
-            .collect();
-        of_pinacoid.extend((1..corners.len() - 1).map(|k| [corners[0], corners[k], corners[k + 1]]));
-    }
-    for (triangles, faces, volume) in [
-        (cube(&turn, Vec3::new(0.1, 0.2, 0.3)), 6, 1.0),
-        (
-            of_pinacoid,
-            solid.faces().len(),
-            Shape::build(&ShapeDescription::Pinacoid { length_m: 1.0, width_m: 1.0, height_m: 1.0, alpha_deg: 60.0 })
-                .unwrap()
-                .mass_properties()
-                .volume,
-        ),
-    ] {
-        let description = convex_parts(&read_mesh(&binary_stl(&triangles), MeshFormat::Stl, 1.0).unwrap()).unwrap();
-        let shape = Shape::build(&description).unwrap();
-        let PartGeometry::Polyhedron(solid) = &shape.parts()[0].geometry else { panic!() };
-        assert_eq!(solid.faces().len(), faces);
-        assert!((shape.mass_properties().volume / volume - 1.0).abs() < 1e-6);
-        assert!(crate::narrow::generalized_overlap::Core::new(solid, 0.02).is_ok());
-    }
-}
-
-/// Two surfaces apart are two parts, in one file as in two objects; equal positions are one vertex.
-#[test]
-fn surfaces_apart_are_parts() {
-    let mut both = cube(&Quat::identity(), Vec3::zeros());
-    both.extend(cube(&Quat::identity(), Vec3::new(3.0, 0.0, 0.0)));
-    let two = shape(&binary_stl(&both), MeshFormat::Stl);
-    assert_eq!(two.parts().len(), 2);
-    assert!((two.mass_properties().volume - 2.0).abs() < 1e-14);
-    let objects = CUBE_OBJ.to_owned()
-        + "o other\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n";
-    assert_eq!(shape(objects.as_bytes(), MeshFormat::Obj).parts().len(), 2);
-}
-
-#[test]
-fn errors_name_the_place_and_the_remedy() {
-    let obj = |text: &str| error(text.as_bytes(), MeshFormat::Obj);
-    let open = obj(&CUBE_OBJ.replace("f 4 1 5 8\n", ""));
-    assert!(open.contains("object 'cube' is open") && open.contains("edge from"), "{open}");
-    let turned = obj(&CUBE_OBJ.replace("f 1 2 6 5", "f 5 6 2 1"));
-    assert!(turned.contains("turned over"), "{turned}");
-    let mut inverted: Vec<[Vec3; 3]> = cube(&Quat::identity(), Vec3::zeros());
-    inverted.iter_mut().for_each(|t| t.swap(0, 1));
-    assert!(error(&binary_stl(&inverted), MeshFormat::Stl).contains("inside out"));
-    let dented = obj(&CUBE_OBJ.replace("v 1 1 1", "v 0.4 0.4 0.4").replace("f 5 6 7 8", "f 5 6 7\nf 5 7 8"));
-    assert!(dented.contains("not convex") && dented.contains("convex parts"), "{dented}");
-    let flat = obj("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 3 2 1\n");
-    assert!(flat.contains("triangle 0") && flat.contains("no area"), "{flat}");
-    assert!(
-        obj(&CUBE_OBJ.replace("v 1 0 0", "v 1 x 0")).starts_with("line 4"),
-        "{}",
-        obj(&CUBE_OBJ.replace("v 1 0 0", "v 1 x 0"))
-    );
-    assert!(obj("v 0 0 0\n").contains("no triangles"));
-    assert!(obj(&CUBE_OBJ.replace("f 1 4 3 2", "f 1 4 3 99")).starts_with("line"));
-    let short = &binary_stl(&cube(&Quat::identity(), Vec3::zeros()))[..300];
-    assert!(error(short, MeshFormat::Stl).starts_with("after triangle 4"), "{}", error(short, MeshFormat::Stl));
-    assert!(MeshFormat::of("rock.ply").unwrap_err().to_string().contains(".obj or .stl"));
-}
-
-/// In a scene: read where it is named, refused with the path.
-#[test]
-fn scenes_read_what_they_name() {
-    let text = "[scene]\nname = \"s\"\nseed = 1\ngravity_m_per_s2 = [0.0, 0.0, -9.81]\ntime_step = \"auto\"\n[[material]]\nname = \"m\"\n\
-                density_kg_per_m3 = 1000.0\n[[material_pair]]\nmaterials = [\"m\", \"m\"]\nstiffness_n_per_m = 1e5\nrestitution = 0.5\n\
-                [[shape]]\nname = \"rock\"\ngeometry = { kind = \"file\", path = \"cube.obj\", scale = 0.01 }\n";
-    let mut scene = SceneDescription::from_toml(text).unwrap();
-    let unread = Scene::validate(scene.clone()).err().unwrap().to_string();
-    assert!(unread.contains("shape[0].geometry") && unread.contains("cube.obj"), "{unread}");
-    let missing = scene.clone().read_files(|_| Err(std::io::ErrorKind::NotFound.into())).unwrap_err().to_string();
-    assert!(missing.contains("shape[0].geometry.path"), "{missing}");
-    scene.read_files(|path| Ok(if path == "cube.obj" { CUBE_OBJ.into() } else { Vec::new() })).unwrap();
-    let scene = Scene::validate(scene).unwrap();
-    assert!((scene.shapes()[0].mass_properties().volume - 1e-6).abs() < 1e-18);
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// Any bytes, and any damage to a sound file, give meshes or an error.
-    #[test]
-    fn no_bytes_upset_the_readers(bytes in proptest::collection::vec(any::<u8>(), 0..400), at in 0..2000_usize, with in any::<u8>()) {
-        let mut damaged = CUBE_OBJ.as_bytes().to_vec();
-        let place = at % damaged.len();
-        damaged[place] = with;
-        let mut stl = binary_stl(&cube(&Quat::identity(), Vec3::zeros()));
-        let place = at % stl.len();
-        stl[place] = with;
-        for (bytes, format) in [(&bytes, MeshFormat::Obj), (&bytes, MeshFormat::Stl), (&damaged, MeshFormat::Obj), (&stl, MeshFormat::Stl)] {
-            if let Ok(meshes) = read_mesh(bytes, format, 1.0)
-                && let Ok(description) = convex_parts(&meshes)
-            {
-                let _ = Shape::build(&description);
-            }
+    let at = |i: u32, j: u32| j * (n + 1) + i;
+    let mut triangles = Vec::new();
+    for j in 0..n {
+        for i in 0..n {
+            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
-        let _ = crate::shape::rockable_shapes(&String::from_utf8_lossy(&bytes));
+    }
+    (vertices, triangles)
+}
+
+fn build(mesh: &(Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Mesh {
+    Mesh::build(&mesh.0, &mesh.1, false).expect("a good mesh")
+}
+
+#[test]
+fn meshes_are_taken_apart_into_patches_edges_and_corners() {
+    assert_eq!(build(&cuboid([1.0, 2.0, 3.0])).counts(), [6, 12, 8]);
+    // one patch; the rim's four straight edges, each of ten pieces
+    assert_eq!(build(&sheet(10, |_, _| 0.3)).counts(), [1, 4, 4]);
+    assert_eq!(build(&sheet(10, |x, _| 1e-7 * (40.0 * x).sin())).counts(), [1, 4, 4]);
+    // a roof: the ridge is an edge between two of its corners
+    let roof = build(&sheet(10, |x, _| -(x - 0.5).abs()));
+    assert_eq!(roof.counts(), [2, 7, 6]);
+    // a valley: the two patches reach beyond it, and it carries nothing
+    let valley = build(&sheet(10, |x, _| (x - 0.5).abs()));
+    assert_eq!(valley.counts(), [2, 6, 6]);
+    assert!(valley.patches.iter().all(|patch| patch.has_concave_side));
+    // many slopes: every one a patch of its own
+    assert_eq!(build(&sheet(10, |x, _| -x * x)).counts()[0], 10);
+    // a blade of no thickness: front and back
+    let blade = (vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2], [0, 2, 1]]);
+    assert_eq!(build(&blade).counts(), [2, 3, 3]);
+}
+
+#[test]
+fn bad_meshes_are_refused_with_the_place() {
+    let (vertices, triangles) = cuboid([1.0; 3]);
+    let error =
+        |vertices: &[[f64; 3]], triangles: &[[u32; 3]]| Mesh::build(vertices, triangles, false).expect_err("bad");
+    assert_eq!(error(&vertices, &[]), MeshError::Empty);
+    let mut broken = vertices.clone();
+    broken[5][1] = f64::NAN;
+    assert_eq!(error(&broken, &triangles), MeshError::NonFinite { vertex: 5 });
+    let no_such = MeshError::NoSuchVertex { triangle: 1, vertex: 9, vertices: 8 };
+    assert_eq!(error(&vertices, &[[0, 1, 2], [0, 9, 2]]), no_such);
+    assert_eq!(error(&vertices, &[[0, 1, 1]]), MeshError::Degenerate { triangle: 0 });
+    let line = [[0.0; 3], [0.5, 0.5, 0.5], [1.0, 1.0, 1.0]];
+    assert_eq!(error(&line, &[[0, 1, 2]]), MeshError::Degenerate { triangle: 0 });
+    let mut flipped = triangles.clone();
+    flipped[3].swap(0, 1);
+    assert!(matches!(error(&vertices, &flipped), MeshError::InconsistentOrientation { second: 3, .. }));
+    let fin = [[0, 1, 2], [1, 0, 3], [0, 1, 4]];
+    let expected = MeshError::NotASurface { from: 0, to: 1, first: 0, second: 1, third: 2 };
+    assert_eq!(error(&vertices, &fin), expected);
+    assert!(expected.to_string().contains("more than two triangles"));
+}
+
+#[test]
+fn the_tree_finds_what_looking_at_everything_finds() {
+    let mut random = Random(5);
+    let waves = build(&sheet(24, |x, y| 0.1 * (9.0 * x).sin() * (7.0 * y).cos()));
+    let mut found = Vec::new();
+    let mut total = 0;
+    for mesh in [waves, build(&cuboid([1.0, 0.2, 0.5])), build(&sheet(40, |_, _| 0.0))] {
+        for _ in 0..2000 {
+            let x = random.vector() + Vec3::repeat(0.5);
+            let reach = 0.3 * (random.next() + 1.0) * (random.next() + 1.0);
+            mesh.near(&x, reach, 0.05, &mut found);
+            assert_eq!(found, mesh.near_by_brute_force(&x, reach, 0.05));
+            total += found.len();
+        }
+    }
+    assert!(total > 10_000, "{total}");
+}
+
+#[test]
+fn distances_to_triangles_are_those_of_dense_samples() {
+    let mut random = Random(6);
+    let mesh = build(&sheet(2, |x, y| 0.3 * x * y));
+    for _ in 0..200 {
+        let x = random.vector() + Vec3::repeat(0.5);
+        for triangle in 0..mesh.triangles.len() {
+            let [p, q, r] = mesh.triangles[triangle].map(|v| mesh.vertices[v as usize]);
+            let rib = |k: i32| (p + (q - p) * (f64::from(k) / 400.0), r);
+            let sampled = (0..=400).map(|k| (closest_on_segment(&x, &rib(k).0, &rib(k).1).0 - x).norm());
+            let (sampled, distance) =
+                (sampled.fold(f64::MAX, f64::min), mesh.distance2_to_triangle(triangle, &x).sqrt());
+            assert!(distance <= sampled + 1e-12 && distance > sampled - 3e-3, "{distance} {sampled}");
+        }
     }
 }

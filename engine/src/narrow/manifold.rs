@@ -142,6 +142,18 @@ impl Manifold {
         self.len == 0
     }
 
+    /// Drops those of the points from index `first` on that do not fit.
+    pub(crate) fn retain_from(&mut self, first: usize, fits: impl Fn(&ManifoldPoint) -> bool) {
+        let mut kept = first;
+        for k in first..self.len {
+            if fits(&self.points[k]) {
+                self.points[kept] = self.points[k];
+                kept += 1;
+            }
+        }
+        self.len = kept;
+    }
+
     /// Carries the points from index `first` on into another frame.
     pub(crate) fn map_from(&mut self, first: usize, to: &Similarity) {
         for p in &mut self.points[first..self.len] {

@@ -105,6 +105,10 @@ pub struct DomainSection {
     pub origin_m: [f64; 3],
 }
 
+fn one() -> f64 {
+    1.0
+}
+
 fn is_origin(origin_m: &[f64; 3]) -> bool {
     *origin_m == [0.0; 3]
 }
@@ -332,6 +336,43 @@ pub enum BoundaryGeometry {
         /// Towards the particles; need not be of unit length.
         normal: [f64; 3],
     },
+    /// Axis-aligned room that particles are inside of: one plane for each side that is not open, named as the boundary
+    /// with the side behind it (`room/x-`). Motions set for the boundary's name go to all of them.
+    Box {
+        /// Lower corner.
+        min_m: [f64; 3],
+        /// Upper corner.
+        max_m: [f64; 3],
+        /// Sides without a plane.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        open: Vec<BoxSide>,
+    },
+    /// Triangles; particles live on the side that their normals point to (counter-clockwise seen from there). Surfaces
+    /// that are to hang together share vertices by index. A particle whose centre is on the other side is not seen.
+    Mesh {
+        /// Vertices.
+        vertices_m: Vec<[f64; 3]>,
+        /// Three indices of vertices each.
+        triangles: Vec<[u32; 3]>,
+    },
+    /// The same out of an `.obj` or `.stl` file; whoever reads the scene file puts the triangles here
+    /// ([`SceneDescription::read_files`]).
+    MeshFile {
+        /// Relative to the scene file.
+        path: String,
+        /// Metres per unit of the file.
+        #[serde(default = "one")]
+        scale: f64,
+    },
+    /// Outside of an infinite circular cylinder (roller).
+    CylinderOutside {
+        /// A point of the axis.
+        point_m: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius.
+        radius_m: f64,
+    },
     /// Inside of an infinite circular cylinder (drum).
     CylinderInside {
         /// A point of the axis.
@@ -341,6 +382,29 @@ pub enum BoundaryGeometry {
         /// Radius.
         radius_m: f64,
     },
+}
+
+/// Side of a box, by its axis and whether it is the lower or the upper one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum BoxSide {
+    /// At the lower x.
+    #[serde(rename = "x-")]
+    LowerX,
+    /// At the upper x.
+    #[serde(rename = "x+")]
+    UpperX,
+    /// At the lower y.
+    #[serde(rename = "y-")]
+    LowerY,
+    /// At the upper y.
+    #[serde(rename = "y+")]
+    UpperY,
+    /// At the lower z.
+    #[serde(rename = "z-")]
+    LowerZ,
+    /// At the upper z.
+    #[serde(rename = "z+")]
+    UpperZ,
 }
 
 /// Angular velocity as a function of time.
@@ -402,6 +466,26 @@ pub enum MotionDescription {
         /// Phase at the start.
         #[serde(default)]
         phase_rad: f64,
+    },
+    /// Moves along a direction until it presses on the particles with a force: velocity = gain (target - measured), cut at
+    /// the largest velocity; measured is the force at the end of the step before. Stable where gain times the stiffness
+    /// of what it presses on times the time step is well below 1.
+    Servo {
+        /// In which it presses; need not be of unit length.
+        direction: [f64; 3],
+        /// Target. Give this, or `pressure_pa` and `area_m2`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        force_n: Option<f64>,
+        /// Target over `area_m2`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pressure_pa: Option<f64>,
+        /// What the pressure acts on.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        area_m2: Option<f64>,
+        /// Velocity per missing force, m/(s N); above 0.
+        gain_m_per_s_per_n: f64,
+        /// Above 0.
+        max_velocity_m_per_s: f64,
     },
     /// Displacement over time, linear between the rows, from where it is at the command; at rest after the last row.
     Table {

@@ -1,8 +1,8 @@
 //! Files that a scene names: shapes out of meshes, read by a function that is handed in.
 
-use super::SceneDescription;
+use super::{BoundaryGeometry, SceneDescription};
 use crate::error::{InvalidInput, InvalidScene};
-use crate::mesh::{MeshFormat, convex_parts, read_mesh};
+use crate::mesh_file::{MeshFormat, TriangleMesh, convex_parts, read_mesh};
 use crate::shape::{ShapeDescription, rockable_shapes};
 
 impl SceneDescription {
@@ -11,6 +11,19 @@ impl SceneDescription {
         let mut errors = Vec::new();
         for (k, shape) in self.shapes.iter_mut().enumerate() {
             read_shape(&mut shape.geometry, &format!("shape[{k}].geometry"), &read, &mut errors);
+        }
+        for (k, boundary) in self.boundaries.iter_mut().enumerate() {
+            let BoundaryGeometry::MeshFile { path, scale } = &boundary.geometry else { continue };
+            match triangles_of(read(path), path, *scale) {
+                Ok(mesh) => {
+                    let TriangleMesh { vertices: vertices_m, triangles, .. } = mesh;
+                    boundary.geometry = BoundaryGeometry::Mesh { vertices_m, triangles };
+                }
+                Err(problem) => {
+                    errors
+                        .push(InvalidInput::new(format!("boundary[{k}].geometry.path"), format!("'{path}' {problem}")));
+                }
+            }
         }
         if errors.is_empty() { Ok(()) } else { Err(InvalidScene(errors)) }
     }
@@ -39,10 +52,25 @@ fn read_shape(
     }
 }
 
-fn shape_of(bytes: &[u8], path: &str, scale: f64, name: Option<&str>) -> Result<ShapeDescription, String> {
-    if !(scale > 0.0 && scale.is_finite()) {
-        return Err(format!("has a scale of {scale}: must be positive and finite"));
+/// All meshes of a file as one.
+fn triangles_of(bytes: std::io::Result<Vec<u8>>, path: &str, scale: f64) -> Result<TriangleMesh, String> {
+    let bytes = bytes.map_err(|error| format!("cannot be read: {error}"))?;
+    check_scale(scale)?;
+    let format = MeshFormat::of(path).map_err(|_| "is of no known kind: boundaries are .obj or .stl".to_owned())?;
+    let meshes = read_mesh(&bytes, format, scale).map_err(|error| error.to_string())?;
+    Ok(TriangleMesh::joined(&meshes))
+}
+
+fn check_scale(scale: f64) -> Result<(), String> {
+    if scale > 0.0 && scale.is_finite() {
+        Ok(())
+    } else {
+        Err(format!("has a scale of {scale}: must be positive and finite"))
     }
+}
+
+fn shape_of(bytes: &[u8], path: &str, scale: f64, name: Option<&str>) -> Result<ShapeDescription, String> {
+    check_scale(scale)?;
     if path.to_ascii_lowercase().ends_with(".shp") {
         return one_of_rockable(bytes, scale, name);
     }

@@ -1,6 +1,7 @@
 //! From what a user wrote to what the engine can run.
 
 mod auto_step;
+mod boundaries;
 mod check;
 mod description;
 mod files;
@@ -9,7 +10,7 @@ mod plan;
 mod point_laws;
 mod resolution;
 mod validate;
-pub(crate) use validate::check_motion;
+pub(crate) use boundaries::check_motion;
 
 pub use check::SceneCheck;
 pub use description::*;

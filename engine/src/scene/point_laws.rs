@@ -318,11 +318,13 @@ pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> 
 }
 
 fn check_boundaries_of_volume(description: &SceneDescription) -> Vec<InvalidInput> {
-    let curved = |geometry: &BoundaryGeometry| matches!(geometry, BoundaryGeometry::CylinderInside { .. });
-    let curved = description.boundaries.iter().enumerate().filter(|(_, boundary)| curved(&boundary.geometry));
-    curved
+    let other = |geometry: &BoundaryGeometry| {
+        matches!(geometry, BoundaryGeometry::CylinderInside { .. } | BoundaryGeometry::Mesh { .. })
+    };
+    let other = description.boundaries.iter().enumerate().filter(|(_, boundary)| other(&boundary.geometry));
+    other
         .map(|(k, _)| {
-            let problem = "is curved; normal = \"volume\" meets planes only: give another law or planes";
+            let problem = "is no plane; normal = \"volume\" meets planes only: give another law or planes";
             InvalidInput::new(format!("boundary[{k}].geometry"), problem)
         })
         .collect()

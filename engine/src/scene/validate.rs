@@ -1,8 +1,8 @@
 //! The only way to a [`Scene`]: afterwards the engine cannot fail to start.
 
+use super::boundaries::{build_boundaries, expand_boxes};
 use super::{
-    BoundaryGeometry, MaterialPairDescription, MotionDescription, NormalLaw, Plan, PointLaws, RoundedShapes,
-    SceneDescription, TimeStepChoice, point_laws,
+    MaterialPairDescription, NormalLaw, Plan, PointLaws, RoundedShapes, SceneDescription, TimeStepChoice, point_laws,
 };
 use crate::boundary::Boundary;
 use crate::cell::Cell;
@@ -12,7 +12,6 @@ use crate::insertion::{self, Surroundings};
 use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, rounded_critical_step};
 use crate::integrate::point_bounds;
 use crate::particles::NewParticle;
-use crate::scene::AngularVelocity;
 use crate::scene::auto_step::chosen_time_step;
 use crate::shape::{MAX_FEATURES, Part, Shape};
 
@@ -33,31 +32,31 @@ pub struct Scene {
 
 /// Collects everything that is wrong.
 #[derive(Default)]
-struct Problems(Vec<InvalidInput>);
+pub(super) struct Problems(pub(super) Vec<InvalidInput>);
 
 impl Problems {
-    fn add(&mut self, path: impl Into<String>, problem: impl Into<String>) {
+    pub(super) fn add(&mut self, path: impl Into<String>, problem: impl Into<String>) {
         self.0.push(InvalidInput::new(path, problem));
     }
 
-    fn keep<T>(&mut self, result: Result<T, InvalidInput>) -> Option<T> {
+    pub(super) fn keep<T>(&mut self, result: Result<T, InvalidInput>) -> Option<T> {
         result.map_err(|error| self.0.push(error)).ok()
     }
 
-    fn finite(&mut self, path: &str, values: &[f64]) {
+    pub(super) fn finite(&mut self, path: &str, values: &[f64]) {
         if values.iter().any(|v| !v.is_finite()) {
             self.add(path, format!("is {values:?}; every number must be finite"));
         }
     }
 
-    fn direction(&mut self, path: &str, v: &[f64; 3]) {
+    pub(super) fn direction(&mut self, path: &str, v: &[f64; 3]) {
         let norm = v.iter().map(|c| c * c).sum::<f64>().sqrt();
         if !(norm.is_finite() && norm > 0.0) {
             self.add(path, format!("is {v:?}; must be finite and not zero"));
         }
     }
 
-    fn in_range(&mut self, path: &str, value: f64, allowed: &str, ok: bool) {
+    pub(super) fn in_range(&mut self, path: &str, value: f64, allowed: &str, ok: bool) {
         if !(value.is_finite() && ok) {
             self.add(path, format!("is {value}; must be {allowed}"));
         }
@@ -78,10 +77,11 @@ impl SceneDescription {
 
 impl Scene {
     /// Proves the description usable, or lists everything that is wrong with it.
-    pub fn validate(description: SceneDescription) -> Result<Self, InvalidScene> {
+    pub fn validate(mut description: SceneDescription) -> Result<Self, InvalidScene> {
         let mut problems = Problems::default();
         check_numbers(&description, &mut problems);
         check_names(&description, &mut problems);
+        let origins = expand_boxes(&mut description, &mut problems);
         let shapes: Vec<Shape> = description
             .shapes
             .iter()
@@ -103,8 +103,9 @@ impl Scene {
         if !problems.0.is_empty() {
             return Err(InvalidScene(problems.0));
         }
-        let boundaries = build_boundaries(&description, &mut problems);
         let cell = Cell::new(&description.domain);
+        let skeletons = shapes.iter().flat_map(Shape::parts).any(Part::is_rounded_polyhedron);
+        let boundaries = build_boundaries(&description, &origins, (&cell, skeletons), &mut problems);
         let point_laws = PointLaws::build(&description, &shapes);
         let plan = Plan::new(&description, &shapes, &pairs, point_laws.is_none());
         let mut scene = Self {
@@ -119,7 +120,6 @@ impl Scene {
             time_step_s: 0.0,
             particles: Vec::new(),
         };
-        scene.check_boundaries(&mut problems);
         if problems.0.is_empty() {
             scene.place_particles(&mut problems);
             scene.time_step_s = scene.choose_time_step(&mut problems);
@@ -314,32 +314,7 @@ impl Scene {
         Ok(())
     }
 
-    /// A boundary must look the same in every image of the cell.
-    fn check_boundaries(&self, problems: &mut Problems) {
-        for (k, boundary) in self.boundaries.iter().enumerate() {
-            problems.keep(self.check_boundary_in_cell(boundary, &format!("boundary[{k}]")));
-        }
-    }
-
-    pub(crate) fn check_boundary_in_cell(&self, boundary: &Boundary, path: &str) -> Result<(), InvalidInput> {
-        use crate::boundary::WallShape;
-        for axis in (0..3).filter(|&axis| self.cell.periodic[axis]) {
-            let along = boundary.direction()[axis].abs();
-            let invariant = match boundary.shape {
-                WallShape::Plane => along < 1e-12,
-                WallShape::CylinderInside(_) => (along - 1.0).abs() < 1e-12,
-            };
-            if !invariant {
-                let problem = format!(
-                    "is not the same in every periodic image along axis {axis}: a plane's normal must be perpendicular to it, a cylinder's axis parallel"
-                );
-                return Err(InvalidInput::new(path, problem));
-            }
-        }
-        Ok(())
-    }
-
-    /// What the user wrote.
+    /// What the user wrote, with the planes of each box in its place.
     pub fn description(&self) -> &SceneDescription {
         &self.description
     }
@@ -450,7 +425,12 @@ fn check_names(description: &SceneDescription, problems: &mut Problems) {
     unique("field", description.fields.iter().map(|f| f.name.as_str()).collect());
 }
 
-fn material_index(description: &SceneDescription, name: &str, path: String, problems: &mut Problems) -> Option<usize> {
+pub(super) fn material_index(
+    description: &SceneDescription,
+    name: &str,
+    path: String,
+    problems: &mut Problems,
+) -> Option<usize> {
     let index = description.materials.iter().position(|material| material.name == name);
     if index.is_none() {
         let known: Vec<&str> = description.materials.iter().map(|m| m.name.as_str()).collect();
@@ -539,94 +519,4 @@ fn pair_law(
         tangential_stiffness: k * ratio,
         tangential_damping_ratio: damping_ratio_t,
     })
-}
-
-fn build_boundaries(description: &SceneDescription, problems: &mut Problems) -> Vec<Boundary> {
-    let mut boundaries = Vec::new();
-    for (k, boundary) in description.boundaries.iter().enumerate() {
-        let path = format!("boundary[{k}]");
-        let before = problems.0.len();
-        let material = material_index(description, &boundary.material, format!("{path}.material"), problems);
-        match &boundary.geometry {
-            BoundaryGeometry::Plane { point_m, normal } => {
-                problems.finite(&format!("{path}.geometry.point_m"), point_m);
-                problems.direction(&format!("{path}.geometry.normal"), normal);
-            }
-            BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
-                problems.finite(&format!("{path}.geometry.point_m"), point_m);
-                problems.direction(&format!("{path}.geometry.axis"), axis);
-                problems.in_range(
-                    &format!("{path}.geometry.radius_m"),
-                    *radius_m,
-                    "finite and above 0",
-                    *radius_m > 0.0,
-                );
-            }
-        }
-        problems.keep(check_motion(&boundary.motion, &format!("{path}.motion")));
-        if let (Some(material), true) = (material, problems.0.len() == before) {
-            boundaries.push(Boundary::new(boundary, material as u32));
-        }
-    }
-    boundaries
-}
-
-/// Checks the numbers of a motion.
-pub(crate) fn check_motion(motion: &MotionDescription, path: &str) -> Result<(), InvalidInput> {
-    let mut problems = Problems::default();
-    match motion {
-        MotionDescription::Fixed => {}
-        MotionDescription::Translation { velocity_m_per_s } => {
-            problems.finite(&format!("{path}.velocity_m_per_s"), velocity_m_per_s);
-        }
-        MotionDescription::Rotation { point_m, axis, angular_velocity } => {
-            problems.finite(&format!("{path}.point_m"), point_m);
-            problems.direction(&format!("{path}.axis"), axis);
-            check_angular_velocity(angular_velocity, &format!("{path}.angular_velocity"), &mut problems);
-        }
-        MotionDescription::Oscillation { amplitude_m, frequency_hz, phase_rad } => {
-            problems.finite(&format!("{path}.amplitude_m"), amplitude_m);
-            check_wave(*frequency_hz, *phase_rad, path, &mut problems);
-        }
-        MotionDescription::Table { times_s, displacements_m } => {
-            check_table(times_s, displacements_m, path, &mut problems);
-        }
-    }
-    problems.0.into_iter().next().map_or(Ok(()), Err)
-}
-
-fn check_angular_velocity(angular_velocity: &AngularVelocity, path: &str, problems: &mut Problems) {
-    match *angular_velocity {
-        AngularVelocity::Constant { rad_per_s } => problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]),
-        AngularVelocity::Ramp { rad_per_s, duration_s } => {
-            problems.finite(&format!("{path}.rad_per_s"), &[rad_per_s]);
-            problems.in_range(&format!("{path}.duration_s"), duration_s, "finite and above 0", duration_s > 0.0);
-        }
-        AngularVelocity::Oscillation { amplitude_rad_per_s, frequency_hz, phase_rad } => {
-            problems.finite(&format!("{path}.amplitude_rad_per_s"), &[amplitude_rad_per_s]);
-            check_wave(frequency_hz, phase_rad, path, problems);
-        }
-    }
-}
-
-fn check_wave(frequency_hz: f64, phase_rad: f64, path: &str, problems: &mut Problems) {
-    problems.in_range(&format!("{path}.frequency_hz"), frequency_hz, "finite and above 0", frequency_hz > 0.0);
-    problems.finite(&format!("{path}.phase_rad"), &[phase_rad]);
-}
-
-fn check_table(times_s: &[f64], displacements_m: &[[f64; 3]], path: &str, problems: &mut Problems) {
-    problems.finite(&format!("{path}.times_s"), times_s);
-    for (k, displacement) in displacements_m.iter().enumerate() {
-        problems.finite(&format!("{path}.displacements_m[{k}]"), displacement);
-    }
-    if times_s.len() < 2 || times_s.len() != displacements_m.len() {
-        let (times, rows) = (times_s.len(), displacements_m.len());
-        let problem = format!("has {rows} rows for {times} times; needs two or more, as many as times_s");
-        problems.add(format!("{path}.displacements_m"), problem);
-    } else if times_s[0] != 0.0 || displacements_m[0] != [0.0; 3] {
-        problems.add(format!("{path}.times_s[0]"), "must be 0, with a displacement of (0, 0, 0)");
-    }
-    if let Some(k) = times_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-        problems.add(format!("{path}.times_s[{}]", k + 1), "must be later than the time before");
-    }
 }

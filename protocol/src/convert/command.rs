@@ -174,6 +174,14 @@ pub fn motion_from_wire(request: &v1::SetMotionRequest) -> Result<MotionDescript
             frequency_hz: finite(wave.frequency_hz, "motion.oscillation.frequency_hz")?,
             phase_rad: finite(wave.phase_rad, "motion.oscillation.phase_rad")?,
         }),
+        Kind::Servo(servo) => Ok(MotionDescription::Servo {
+            direction: needed_vector(&servo.direction, "motion.servo.direction")?,
+            force_n: Some(finite(servo.force_n, "motion.servo.force_n")?),
+            pressure_pa: None,
+            area_m2: None,
+            gain_m_per_s_per_n: finite(servo.gain_m_per_s_per_n, "motion.servo.gain_m_per_s_per_n")?,
+            max_velocity_m_per_s: finite(servo.max_velocity_m_per_s, "motion.servo.max_velocity_m_per_s")?,
+        }),
         Kind::Table(table) => {
             let path = "motion.table.displacements_m";
             for (k, &time) in table.times_s.iter().enumerate() {
@@ -235,6 +243,19 @@ pub fn motion_to_wire(motion: &MotionDescription) -> v1::Motion {
             let amplitude_m = Some(vec3(*amplitude_m));
             Kind::Oscillation(v1::OscillationMotion { amplitude_m, frequency_hz: *frequency_hz, phase_rad: *phase_rad })
         }
+        MotionDescription::Servo {
+            direction,
+            force_n,
+            pressure_pa,
+            area_m2,
+            gain_m_per_s_per_n,
+            max_velocity_m_per_s,
+        } => Kind::Servo(v1::ServoMotion {
+            direction: Some(vec3(*direction)),
+            force_n: force_n.unwrap_or(pressure_pa.unwrap_or(0.0) * area_m2.unwrap_or(0.0)),
+            gain_m_per_s_per_n: *gain_m_per_s_per_n,
+            max_velocity_m_per_s: *max_velocity_m_per_s,
+        }),
         MotionDescription::Table { times_s, displacements_m } => Kind::Table(v1::TableMotion {
             times_s: times_s.clone(),
             displacements_m: Some(columns::rows("displacements_m", "m", displacements_m)),

@@ -140,7 +140,12 @@ fn boundary_state(boundary: &BoundaryState) -> v1::BoundaryState {
         angular_velocity_rad_per_s: boundary.angular_velocity_rad_per_s,
         force_n: Some(vec3(boundary.force_n)),
         torque_n_m: Some(vec3(boundary.torque_n_m)),
+        orientation: Some(quaternion(boundary.orientation_wxyz)),
     }
+}
+
+fn quaternion([w, x, y, z]: [f64; 4]) -> v1::Quaternion {
+    v1::Quaternion { w, x, y, z }
 }
 
 /// Name of a quantity's column, and its unit.

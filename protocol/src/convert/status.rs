@@ -4,7 +4,7 @@ use sturz_engine::scene::{BoundaryDescription, BoundaryGeometry, DomainSection};
 use sturz_engine::{EnergyBalance, Report, WarningCounts};
 
 use super::vec3;
-use crate::v1;
+use crate::{columns, v1};
 
 /// The engine's part of a report: what only the daemon knows (speed, stages, streams, hash) is left empty.
 pub fn report_to_wire(report: &Report, mut header: v1::Header) -> v1::Report {
@@ -68,6 +68,19 @@ pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
         BoundaryGeometry::Plane { point_m, normal } => {
             Geometry::Plane(v1::PlaneGeometry { point_m: Some(vec3(*point_m)), normal: Some(vec3(*normal)) })
         }
+        BoundaryGeometry::Mesh { vertices_m, triangles } => Geometry::Mesh(v1::MeshGeometry {
+            vertices: Some(columns::rows("vertices", "m", vertices_m)),
+            triangles: Some(columns::rows("triangles", "", triangles)),
+        }),
+        // a scene that has been proved usable has planes instead
+        BoundaryGeometry::Box { .. } | BoundaryGeometry::MeshFile { .. } => return without_geometry(boundary),
+        BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {
+            Geometry::CylinderOutside(v1::CylinderOutsideGeometry {
+                point_m: Some(vec3(*point_m)),
+                axis: Some(vec3(*axis)),
+                radius_m: *radius_m,
+            })
+        }
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m } => {
             Geometry::CylinderInside(v1::CylinderInsideGeometry {
                 point_m: Some(vec3(*point_m)),
@@ -77,6 +90,10 @@ pub fn boundary_to_wire(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
         }
     };
     v1::BoundaryInfo { name: boundary.name.clone(), material: boundary.material.clone(), geometry: Some(geometry) }
+}
+
+fn without_geometry(boundary: &BoundaryDescription) -> v1::BoundaryInfo {
+    v1::BoundaryInfo { name: boundary.name.clone(), material: boundary.material.clone(), geometry: None }
 }
 
 /// Extent and periodic axes.

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sturz_engine::mesh::{MeshFormat, convex_parts, read_mesh};
+use sturz_engine::mesh_file::{MeshFormat, convex_parts, read_mesh};
 use sturz_engine::shape::Shape;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -73,7 +73,7 @@ class Boundary:
     Attributes:
         name: what `set_rotation` and its like ask for.
         material: of its surface.
-        kind: ``plane``, ``cylinder_inside``, or empty when this client is too old to know it.
+        kind: ``plane``, ``cylinder_inside``, ``cylinder_outside``, or empty when this client is too old to know it.
         point_m: a point of the plane or of the axis at the start, (3,), m.
         direction: normal of the plane, or direction of the axis, (3,).
         radius_m: of a cylinder; NaN for planes.
@@ -92,8 +92,8 @@ class Boundary:
         point, direction, radius = np.zeros(3), np.zeros(3), float("nan")
         if kind == "plane":
             point, direction = columns.from_vec3(message.plane.point_m), columns.from_vec3(message.plane.normal)
-        elif kind == "cylinder_inside":
-            geometry = message.cylinder_inside
+        elif kind in ("cylinder_inside", "cylinder_outside"):
+            geometry = getattr(message, kind)
             point, direction = columns.from_vec3(geometry.point_m), columns.from_vec3(geometry.axis)
             radius = geometry.radius_m
         return cls(message.name, message.material, kind, point, direction, radius)

@@ -3,6 +3,7 @@
 mod degenerate;
 mod generic;
 mod oracle;
+mod roller;
 mod round;
 mod walls;
 

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Cursor, Read};
 
-use super::{MeshError, TriangleMesh};
+use super::{MeshFileError, TriangleMesh};
 
 /// Of a file, by the end of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,35 +17,48 @@ pub enum MeshFormat {
 
 impl MeshFormat {
     /// From a file name.
-    pub fn of(name: &str) -> Result<Self, MeshError> {
+    pub fn of(name: &str) -> Result<Self, MeshFileError> {
         let name_end = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
         match name_end.as_str() {
             "obj" => Ok(Self::Obj),
             "stl" => Ok(Self::Stl),
-            _ => Err(MeshError::UnknownFormat { name: name.into() }),
+            _ => Err(MeshFileError::UnknownFormat { name: name.into() }),
         }
     }
 }
 
 /// The meshes of a file; every coordinate times `scale`. Equal positions are one vertex; nothing else is changed.
-pub fn read_mesh(bytes: &[u8], format: MeshFormat, scale: f64) -> Result<Vec<TriangleMesh>, MeshError> {
+pub fn read_mesh(bytes: &[u8], format: MeshFormat, scale: f64) -> Result<Vec<TriangleMesh>, MeshFileError> {
     let mut meshes = match format {
         MeshFormat::Obj => read_obj(bytes)?,
         MeshFormat::Stl => vec![read_stl(bytes)?],
     };
     meshes.retain(|mesh| !mesh.triangles.is_empty());
     if meshes.is_empty() {
-        return Err(MeshError::Empty);
+        return Err(MeshFileError::Empty);
     }
     for mesh in &mut meshes {
         for (k, vertex) in mesh.vertices.iter_mut().enumerate() {
             *vertex = vertex.map(|x| x * scale);
             if !vertex.iter().all(|x| x.is_finite()) {
-                return Err(MeshError::NotFinite { vertex: k, mesh: mesh.name.clone() });
+                return Err(MeshFileError::NotFinite { vertex: k, mesh: mesh.name.clone() });
             }
         }
     }
     Ok(meshes)
+}
+
+impl TriangleMesh {
+    /// Several as one; equal positions are one vertex.
+    pub fn joined(meshes: &[Self]) -> Self {
+        let mut builder = Builder { name: "the mesh".into(), ..Builder::default() };
+        for mesh in meshes {
+            for triangle in &mesh.triangles {
+                builder.push(triangle.map(|v| mesh.vertices[v as usize]));
+            }
+        }
+        builder.mesh()
+    }
 }
 
 /// Counts the lines that went through: the reader of OBJ files says what is wrong, but not where.
@@ -72,14 +85,14 @@ impl<R: BufRead> BufRead for Lines<'_, R> {
     }
 }
 
-fn read_obj(bytes: &[u8]) -> Result<Vec<TriangleMesh>, MeshError> {
+fn read_obj(bytes: &[u8]) -> Result<Vec<TriangleMesh>, MeshFileError> {
     let count = Cell::new(0);
     let mut reader = Lines { inner: BufReader::new(bytes), count: &count };
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let without_materials = |_: &std::path::Path| Ok((Vec::new(), Default::default()));
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, without_materials)
-        .map_err(|error| MeshError::Syntax { at: format!("line {}", count.get()), reason: error.to_string() })?;
+        .map_err(|error| MeshFileError::Syntax { at: format!("line {}", count.get()), reason: error.to_string() })?;
     let mut meshes = Vec::new();
     for (k, model) in models.into_iter().enumerate() {
         let name = if model.name.is_empty() { format!("object {k}") } else { format!("object '{}'", model.name) };
@@ -94,8 +107,8 @@ fn read_obj(bytes: &[u8]) -> Result<Vec<TriangleMesh>, MeshError> {
     Ok(meshes)
 }
 
-fn read_stl(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
-    let syntax = |at: usize, error: std::io::Error| MeshError::Syntax {
+fn read_stl(bytes: &[u8]) -> Result<TriangleMesh, MeshFileError> {
+    let syntax = |at: usize, error: std::io::Error| MeshFileError::Syntax {
         at: if at == 0 { "start of the file".into() } else { format!("after triangle {at}") },
         reason: error.to_string(),
     };

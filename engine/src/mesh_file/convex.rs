@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{MeshError, TriangleMesh};
+use super::{MeshFileError, TriangleMesh};
 use crate::math::Vec3;
 use crate::shape::{PartDescription, ShapeDescription};
 
@@ -15,7 +15,7 @@ const ROUNDS: usize = 60;
 
 /// A shape of the meshes: each connected closed surface is a convex part. Faces that are flat up to single precision
 /// are made flat.
-pub fn convex_parts(meshes: &[TriangleMesh]) -> Result<ShapeDescription, MeshError> {
+pub fn convex_parts(meshes: &[TriangleMesh]) -> Result<ShapeDescription, MeshFileError> {
     let mut parts = Vec::new();
     for mesh in meshes {
         for (triangles, vertices) in components(mesh)? {
@@ -25,7 +25,7 @@ pub fn convex_parts(meshes: &[TriangleMesh]) -> Result<ShapeDescription, MeshErr
         }
     }
     match parts.len() {
-        0 => Err(MeshError::Empty),
+        0 => Err(MeshFileError::Empty),
         1 => Ok(parts.remove(0)),
         _ => Ok(ShapeDescription::Composite {
             parts: parts
@@ -44,22 +44,22 @@ pub fn convex_parts(meshes: &[TriangleMesh]) -> Result<ShapeDescription, MeshErr
 type Component = (Vec<usize>, Vec<u32>);
 
 /// Triangles and vertices of each connected surface, after its edges have been found closed and oriented.
-fn components(mesh: &TriangleMesh) -> Result<Vec<Component>, MeshError> {
+fn components(mesh: &TriangleMesh) -> Result<Vec<Component>, MeshFileError> {
     let at = |v: u32| mesh.vertices[v as usize];
     let mut across: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     for (k, triangle) in mesh.triangles.iter().enumerate() {
         for side in 0..3 {
             let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
             if from == to {
-                return Err(MeshError::Degenerate { triangle: k, mesh: mesh.name.clone() });
+                return Err(MeshFileError::Degenerate { triangle: k, mesh: mesh.name.clone() });
             }
             if across.insert((from, to), k).is_some() {
-                return Err(MeshError::TurnedOver { mesh: mesh.name.clone(), from: at(from), to: at(to) });
+                return Err(MeshFileError::TurnedOver { mesh: mesh.name.clone(), from: at(from), to: at(to) });
             }
         }
     }
     if let Some((from, to)) = across.keys().find(|(from, to)| !across.contains_key(&(*to, *from))) {
-        return Err(MeshError::Open { mesh: mesh.name.clone(), from: at(*from), to: at(*to) });
+        return Err(MeshFileError::Open { mesh: mesh.name.clone(), from: at(*from), to: at(*to) });
     }
     let mut taken = vec![false; mesh.triangles.len()];
     let mut found = Vec::new();
@@ -96,7 +96,7 @@ struct Piece {
 }
 
 impl Piece {
-    fn new(mesh: &TriangleMesh, triangles: &[usize], vertices: &[u32]) -> Result<Self, MeshError> {
+    fn new(mesh: &TriangleMesh, triangles: &[usize], vertices: &[u32]) -> Result<Self, MeshFileError> {
         let points: Vec<Vec3> = vertices.iter().map(|&v| Vec3::from(mesh.vertices[v as usize])).collect();
         let index = |v: u32| vertices.binary_search(&v).expect("a vertex of its own");
         let corners: Vec<[usize; 3]> = triangles.iter().map(|&k| mesh.triangles[k].map(index)).collect();
@@ -107,11 +107,11 @@ impl Piece {
         if let Some(k) =
             areas.iter().position(|area| area.norm().partial_cmp(&(NO_AREA * size * size)).is_none_or(|o| o.is_le()))
         {
-            return Err(MeshError::Degenerate { triangle: triangles[k], mesh: name() });
+            return Err(MeshFileError::Degenerate { triangle: triangles[k], mesh: name() });
         }
         let cone = |(c, area): (&[usize; 3], &Vec3)| (points[c[0]] - points[0]).dot(area) / 3.0;
         if corners.iter().zip(&areas).map(cone).sum::<f64>() <= 0.0 {
-            return Err(MeshError::Inverted { mesh: name() });
+            return Err(MeshFileError::Inverted { mesh: name() });
         }
         for (c, area) in corners.iter().zip(&areas) {
             let normal = area.normalize();
@@ -121,7 +121,7 @@ impl Piece {
             let reliable = area.norm() > FLAT * size * size;
             if reliable && highest.1 > FLAT * size {
                 let vertex = vertices[highest.0] as usize;
-                return Err(MeshError::NotConvex { mesh: name(), vertex, relative: highest.1 / size });
+                return Err(MeshFileError::NotConvex { mesh: name(), vertex, relative: highest.1 / size });
             }
         }
         Ok(Self { faces: gather(&points, &corners, &areas, size), points, size })
