@@ -1,5 +1,6 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
+mod cylinder;
 mod degenerate;
 mod extremes;
 mod glued;
@@ -161,6 +162,7 @@ pub fn registry() -> Vec<Case> {
         resistance::cases(),
         sliding::cases(),
         stability::cases(),
+        cylinder::cases(),
         degenerate::cases(),
         extremes::cases(),
         periodic::cases(),
