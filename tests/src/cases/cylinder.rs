@@ -138,39 +138,51 @@ fn impact_table(checks: &mut Checks) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// WP4: mean error of w+ over 16 phases of the instant of impact against the soft ODE, and w+ over the stiffness against
-/// the limit of hard contacts, eq. 22 with e_eff.
+/// WP4: error of w+ at 20 deg over 16 phases of the instant of impact against the soft ODE, and w+ over the stiffness
+/// against the ODE and the limit of hard contacts, eq. 22 with e_eff.
+///
+/// The dashpot makes the force jump where the contact begins and, with tension, where it ends. Either jump falls anywhere
+/// within a step (this contact does not last Tc), so a single impact is off in the first order, and the mean over the
+/// phases in the second.
 fn work_precision(checks: &mut Checks) -> anyhow::Result<()> {
     let mut errors = Vec::new();
     for steps in [25.0, 50.0, 100.0, 200.0, 400.0] {
-        let mut error = 0.0;
-        for k in 0..16 {
-            let phase = (f64::from(k) + 0.37) / 16.0;
-            let impact = Impact { steps_per_contact: steps, phase, ..Impact::new(20.0, STIFFNESS, "tension") };
-            error += (impact.rebound(checks)?.0 / -350.0934 - 1.0).abs() / 16.0;
-        }
-        checks.vanishes(format!("Tc/{steps}: mean error of w+"), error, 2.0 / (steps * steps) + 1e-5, "-");
+        let (mean, error) = over_phases(checks, STIFFNESS, steps, -350.0934)?;
+        checks.vanishes(format!("Tc/{steps}: mean error of w+"), error, 0.2 / steps, "-");
+        checks.vanishes(format!("Tc/{steps}: error of the mean w+"), mean / -350.0934 - 1.0, 0.05 / steps, "-");
         errors.push(error);
     }
-    checks.near("order, Tc/25 to Tc/100", (errors[0] / errors[2]).log2() / 2.0, 2.0, 0.3, "-");
+    checks.near("order, Tc/25 to Tc/400", (errors[0] / errors[4]).log2() / 4.0, 1.0, 0.15, "-");
     let soft = [(1e4, -348.007), (1e5, -350.093), (1e6, -350.774), (1e7, -350.991), (1e8, -351.060)];
     let mut gaps = Vec::new();
     for (stiffness, reference) in soft {
-        let impact = Impact { steps_per_contact: 800.0, ..Impact::new(20.0, stiffness, "tension") };
-        let w = impact.rebound(checks)?.0;
-        checks.close(format!("k = {stiffness:e}: w+"), w, reference, 1e-5, "rad/s");
-        gaps.push(w + 351.092);
+        let (mean, _) = over_phases(checks, stiffness, 800.0, reference)?;
+        checks.close(format!("k = {stiffness:e}: w+"), mean, reference, 3e-5, "rad/s");
+        gaps.push(mean + 351.092);
     }
     checks.near("order of the gap to hard contacts in k", (gaps[0] / gaps[2]).log10() / 2.0, 0.5, 0.05, "-");
     Ok(())
 }
 
+/// Mean w+, and mean of the relative error of each.
+fn over_phases(checks: &mut Checks, stiffness: f64, steps: f64, reference: f64) -> anyhow::Result<(f64, f64)> {
+    let (mut mean, mut error) = (0.0, 0.0);
+    for k in 0..16 {
+        let phase = (f64::from(k) + 0.37) / 16.0;
+        let impact = Impact { steps_per_contact: steps, phase, ..Impact::new(20.0, stiffness, "tension") };
+        let w = impact.rebound(checks)?.0;
+        mean += w / 16.0;
+        error += (w / reference - 1.0).abs() / 16.0;
+    }
+    Ok((mean, error))
+}
+
 /// Largest |E'/E - 1| of impacts without damping at tilts from flat to the side, with free spins.
 ///
-/// Springs of their own (`model_a`) have an energy, and the error vanishes with the step. Springs that share the
-/// stiffness of one (`per_point`) have none where their number changes; at one point both agree.
+/// Springs of their own (`model_a`) have an energy, and the error vanishes with the square of the step. Springs that share
+/// the stiffness of one (`per_point`) have none while they are several: 8.1 % at any step. At one point both agree.
 fn elastic_impacts(checks: &mut Checks) -> anyhow::Result<()> {
-    for (sharing, limits) in [("model_a", [5e-2, 1e-2, 2e-3]), ("per_point", [3.0, 3.0, 3.0])] {
+    for (sharing, limits) in [("model_a", [5e-3, 3e-4, 2e-5]), ("per_point", [0.1; 3])] {
         for (steps, limit) in [50.0, 200.0, 800.0].into_iter().zip(limits) {
             let (mut worst, mut worst_single) = (0.0f64, 0.0f64);
             for k in 0..40 {
@@ -179,7 +191,7 @@ fn elastic_impacts(checks: &mut Checks) -> anyhow::Result<()> {
                 worst_single = worst_single.max(energy_change(checks, sharing, 5.0 + f64::from(2 * k), steps)?);
             }
             checks.vanishes(format!("{sharing}, Tc/{steps}: several points"), worst, limit, "-");
-            checks.vanishes(format!("{sharing}, Tc/{steps}: one point"), worst_single, 0.5 / steps, "-");
+            checks.vanishes(format!("{sharing}, Tc/{steps}: one point"), worst_single, 3.0 / (steps * steps), "-");
         }
     }
     Ok(())
