@@ -32,6 +32,6 @@ fn segment(part: &PartGeometry) -> Option<([crate::math::Vec3; 2], f64)> {
     match part {
         PartGeometry::Sphere { center, radius } => Some(([*center; 2], *radius)),
         PartGeometry::Spherocylinder { ends, radius } => Some((*ends, *radius)),
-        PartGeometry::Polyhedron(_) | PartGeometry::RoundedPolyhedron(_) => None,
+        PartGeometry::Cylinder { .. } | PartGeometry::Polyhedron(_) | PartGeometry::RoundedPolyhedron(_) => None,
     }
 }

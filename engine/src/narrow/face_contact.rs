@@ -12,9 +12,9 @@ use crate::math::{Similarity, Vec3};
 use crate::shape::Polyhedron;
 
 /// Points closer than this, over the size of the smaller part, are one point.
-const COINCIDENT: f64 = 1e-9;
+pub(super) const COINCIDENT: f64 = 1e-9;
 /// Vertices whose heights differ by less than this, over the size of their part, are equally deep.
-const EQUALLY_DEEP: f64 = 1e-9;
+pub(super) const EQUALLY_DEEP: f64 = 1e-9;
 /// Faces of so many vertices together (two octagons) fit the small buffers, which cost less to clear.
 const SMALL: usize = 16;
 
@@ -228,7 +228,7 @@ fn face_along(p: &Polyhedron, edge: usize, along: &Vec3) -> usize {
 
 /// The face that meets the reference, and the place of the deepest vertex in it: of the faces with the most of the
 /// deepest vertices the one that looks at the reference most squarely. (The squarest of all need not hold them.)
-fn incident_face(p: &Polyhedron, along: &Vec3, tolerance: f64) -> (usize, usize) {
+pub(super) fn incident_face(p: &Polyhedron, along: &Vec3, tolerance: f64) -> (usize, usize) {
     let (mut vertex, mut least) = (0, f64::MAX);
     for (i, v) in p.vertices().iter().enumerate() {
         let height = along.dot(v);

@@ -7,18 +7,28 @@ mod active_set;
 mod apart;
 mod clipping;
 mod closest;
+mod cylinder;
+mod cylinder_cylinder;
+mod cylinder_facets;
+mod cylinder_polyhedron;
+mod cylinder_wall;
+mod ellipse;
 mod face_contact;
 pub mod features;
 pub mod generalized_overlap;
 mod manifold;
+mod outline;
 pub mod overlap_volume;
 mod polyhedron_polyhedron;
+mod rims;
 mod roller;
 mod round;
 mod separating_axis;
+mod sphere_cylinder;
 mod sphere_polyhedron;
 mod sphere_sphere;
 mod sphere_spherocylinder;
+mod spherocylinder_cylinder;
 mod spherocylinder_polyhedron;
 mod spherocylinder_spherocylinder;
 #[cfg(test)]
@@ -28,12 +38,17 @@ mod wall;
 pub use active_set::PairCache;
 pub use apart::apart_by;
 pub use closest::{Nearest, above_face, closest_on_segment, farthest_face, point_polyhedron, segment_segment};
+pub(crate) use cylinder::{RING_POINTS, Solid};
+pub use cylinder_cylinder::cylinder_cylinder;
+pub use cylinder_polyhedron::cylinder_polyhedron;
 pub use manifold::{FeatureKey, MAX_POINTS, Manifold, ManifoldPoint};
 pub use polyhedron_polyhedron::polyhedron_polyhedron;
 pub use roller::part_roller;
+pub use sphere_cylinder::sphere_cylinder;
 pub use sphere_polyhedron::sphere_polyhedron;
 pub use sphere_sphere::sphere_sphere;
 pub use sphere_spherocylinder::sphere_spherocylinder;
+pub use spherocylinder_cylinder::spherocylinder_cylinder;
 pub use spherocylinder_polyhedron::spherocylinder_polyhedron;
 pub use spherocylinder_spherocylinder::spherocylinder_spherocylinder;
 pub use wall::{part_cylinder, part_plane};
@@ -60,6 +75,15 @@ pub struct Spherocylinder {
     pub radius: f64,
 }
 
+/// A solid cylinder with flat caps, as the functions of this module take it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// Centres of the caps.
+    pub ends: [Vec3; 2],
+    /// Its radius.
+    pub radius: f64,
+}
+
 /// Which function answers for a pair of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PairKind {
@@ -69,6 +93,14 @@ pub enum PairKind {
     SphereSpherocylinder,
     /// [`spherocylinder_spherocylinder`].
     SpherocylinderSpherocylinder,
+    /// [`sphere_cylinder`].
+    SphereCylinder,
+    /// [`spherocylinder_cylinder`].
+    SpherocylinderCylinder,
+    /// [`cylinder_cylinder`].
+    CylinderCylinder,
+    /// [`cylinder_polyhedron`].
+    CylinderPolyhedron,
     /// [`sphere_polyhedron`].
     SpherePolyhedron,
     /// [`spherocylinder_polyhedron`].
@@ -90,9 +122,16 @@ pub fn pair_kind(a: &PartGeometry, b: &PartGeometry) -> (PairKind, bool) {
         (P::Spherocylinder { .. }, P::Sphere { .. }) => (K::SphereSpherocylinder, true),
         (P::Spherocylinder { .. }, P::Spherocylinder { .. }) => (K::SpherocylinderSpherocylinder, false),
         (P::Spherocylinder { .. }, P::Polyhedron(_)) => (K::SpherocylinderPolyhedron, false),
+        (P::Sphere { .. }, P::Cylinder { .. }) => (K::SphereCylinder, false),
+        (P::Spherocylinder { .. }, P::Cylinder { .. }) => (K::SpherocylinderCylinder, false),
+        (P::Cylinder { .. }, P::Sphere { .. }) => (K::SphereCylinder, true),
+        (P::Cylinder { .. }, P::Spherocylinder { .. }) => (K::SpherocylinderCylinder, true),
         (P::Polyhedron(_), P::Sphere { .. }) => (K::SpherePolyhedron, true),
         (P::Polyhedron(_), P::Spherocylinder { .. }) => (K::SpherocylinderPolyhedron, true),
         (P::Polyhedron(_), P::Polyhedron(_)) => (K::PolyhedronPolyhedron, false),
+        (P::Cylinder { .. }, P::Cylinder { .. }) => (K::CylinderCylinder, false),
+        (P::Cylinder { .. }, P::Polyhedron(_)) => (K::CylinderPolyhedron, false),
+        (P::Polyhedron(_), P::Cylinder { .. }) => (K::CylinderPolyhedron, true),
         (P::RoundedPolyhedron(_), _) | (_, P::RoundedPolyhedron(_)) => (K::Features, false),
     }
 }
@@ -130,6 +169,7 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCac
     use PartGeometry as P;
     let sphere = |center: &Vec3, radius: f64| Sphere { center: *center, radius };
     let capsule = |ends: &[Vec3; 2], radius: f64| Spherocylinder { ends: *ends, radius };
+    let cylinder = |ends: &[Vec3; 2], radius: f64| Cylinder { ends: *ends, radius };
     match (&a.geometry, &b.geometry) {
         (P::Sphere { center: c, radius: r }, P::Sphere { center: d, radius: s }) => {
             sphere_sphere(&sphere(c, *r), &sphere(d, *s), b_to_a, out);
@@ -139,6 +179,18 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCac
         }
         (P::Spherocylinder { ends: d, radius: r }, P::Spherocylinder { ends: e, radius: s }) => {
             spherocylinder_spherocylinder(&capsule(d, *r), &capsule(e, *s), b_to_a, out);
+        }
+        (P::Sphere { center, radius: r }, P::Cylinder { ends, radius: s }) => {
+            sphere_cylinder(&sphere(center, *r), &cylinder(ends, *s), b_to_a, out);
+        }
+        (P::Spherocylinder { ends: d, radius: r }, P::Cylinder { ends: e, radius: s }) => {
+            spherocylinder_cylinder(&capsule(d, *r), &cylinder(e, *s), b_to_a, out);
+        }
+        (P::Cylinder { ends: d, radius: r }, P::Cylinder { ends: e, radius: s }) => {
+            cylinder_cylinder(&cylinder(d, *r), &cylinder(e, *s), b_to_a, out);
+        }
+        (P::Cylinder { ends, radius }, P::Polyhedron(q)) => {
+            cylinder_polyhedron((a, &cylinder(ends, *radius)), (b, q), b_to_a, out);
         }
         (P::Sphere { center, radius }, P::Polyhedron(q)) => {
             sphere_polyhedron(&sphere(center, *radius), q, b_to_a, out);

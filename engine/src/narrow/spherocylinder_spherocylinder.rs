@@ -36,7 +36,7 @@ pub fn spherocylinder_spherocylinder(a: &Spherocylinder, b: &Spherocylinder, b_t
 }
 
 /// 1 for parallel axes, fading to 0 at the widest angle.
-fn parallelism(p: &[Vec3; 2], q: &[Vec3; 2]) -> f64 {
+pub(super) fn parallelism(p: &[Vec3; 2], q: &[Vec3; 2]) -> f64 {
     let (u, v) = (p[1] - p[0], q[1] - q[0]);
     let sine2 = u.cross(&v).norm_squared() / (u.norm_squared() * v.norm_squared());
     (1.0 - sine2 / (WIDEST * WIDEST)).max(0.0)

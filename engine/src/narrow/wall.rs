@@ -3,6 +3,8 @@
 //! The part is `a` and the wall is `b`: normals point from the particle into the wall. Every vertex behind the wall
 //! counts with share 1, as the stiffness per vertex of a wall law does not depend on the others.
 
+use super::cylinder::Solid;
+use super::cylinder_wall::{cylinder_in_cylinder, cylinder_plane};
 use super::{FeatureKey, Manifold, ManifoldPoint};
 use crate::math::{Similarity, Vec3};
 use crate::shape::{Part, PartGeometry};
@@ -11,6 +13,9 @@ use crate::shape::{Part, PartGeometry};
 pub fn part_plane(part: &Part, body_to_wall: &Similarity, out: &mut Manifold) {
     if body_to_wall.point(&part.center).z > part.radius * body_to_wall.scale {
         return;
+    }
+    if let PartGeometry::Cylinder { ends, radius } = &part.geometry {
+        return cylinder_plane(&Solid::new(ends, *radius).mapped(body_to_wall), |point| out.push_deepest(point));
     }
     each_ball(part, body_to_wall, |center, radius, feature| {
         let overlap = radius - center.z;
@@ -28,6 +33,10 @@ pub fn part_cylinder(part: &Part, body_to_wall: &Similarity, cylinder_radius: f6
     if (center.x * center.x + center.y * center.y).sqrt() + part.radius * body_to_wall.scale < cylinder_radius {
         return;
     }
+    if let PartGeometry::Cylinder { ends, radius } = &part.geometry {
+        let solid = Solid::new(ends, *radius).mapped(body_to_wall);
+        return cylinder_in_cylinder(&solid, cylinder_radius, |point| out.push_deepest(point));
+    }
     each_ball(part, body_to_wall, |center, radius, feature| {
         let rho = (center.x * center.x + center.y * center.y).sqrt();
         let overlap = rho + radius - cylinder_radius;
@@ -41,7 +50,7 @@ pub fn part_cylinder(part: &Part, body_to_wall: &Similarity, cylinder_radius: f6
 }
 
 /// The points that reach farthest: the vertices of a polyhedron as balls (of radius 0 if it is sharp), the ends of a
-/// spherocylinder.
+/// spherocylinder. None of a cylinder.
 fn each_ball(part: &Part, to_wall: &Similarity, mut visit: impl FnMut(Vec3, f64, FeatureKey)) {
     match &part.geometry {
         PartGeometry::Sphere { center, radius } => {
@@ -52,6 +61,8 @@ fn each_ball(part: &Part, to_wall: &Similarity, mut visit: impl FnMut(Vec3, f64,
                 visit(to_wall.point(end), radius * to_wall.scale, FeatureKey::point(k));
             }
         }
+        // its rims are circles, which the callers ask themselves
+        PartGeometry::Cylinder { .. } => {}
         PartGeometry::Polyhedron(p) => {
             for (v, vertex) in (0..).zip(p.vertices()) {
                 visit(to_wall.point(vertex), 0.0, FeatureKey::vertex_of_a(v));

@@ -105,7 +105,7 @@ pub struct PointLaws {
     pub reads_radius: bool,
     /// Some pair resists rolling or twisting.
     pub rolling: bool,
-    /// By shape and part, at unit scale: radius of a round part, bounding radius of a polyhedron, m.
+    /// By shape and part, at unit scale: radius of a round part or a cylinder, bounding radius of a polyhedron, m.
     pub part_radius: Vec<Vec<f64>>,
     materials: usize,
     pairs: Vec<PairExtras>,
@@ -302,17 +302,22 @@ fn check_pair(
     }
 }
 
-/// Hertz knows round parts only, the shared volume polyhedra and planes.
+/// Hertz knows round parts without edges only, the shared volume polyhedra and planes.
 pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> Vec<InvalidInput> {
     match description.normal_law() {
         NormalLaw::Hertz => {}
         NormalLaw::Volume => return check_boundaries_of_volume(description),
         _ => return Vec::new(),
     }
-    let flat = |shape: &Shape| shape.parts().iter().any(|part| matches!(part.geometry, PartGeometry::Polyhedron(_)));
-    let flat = shapes.iter().enumerate().filter(|(_, shape)| flat(shape));
-    flat.map(|(k, _)| {
-        InvalidInput::new(format!("shape[{k}].geometry"), "has a polyhedron; normal = \"hertz\" is for round parts")
+    let flat = |part: &Part| match part.geometry {
+        PartGeometry::Polyhedron(_) => Some("polyhedron"),
+        PartGeometry::Cylinder { .. } => Some("cylinder"),
+        _ => None,
+    };
+    let flat = shapes.iter().enumerate().filter_map(|(k, shape)| Some((k, shape.parts().iter().find_map(flat)?)));
+    flat.map(|(k, kind)| {
+        let problem = format!("has a {kind}; normal = \"hertz\" is for round parts");
+        InvalidInput::new(format!("shape[{k}].geometry"), problem)
     })
     .collect()
 }

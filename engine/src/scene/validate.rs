@@ -13,7 +13,7 @@ use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, round
 use crate::integrate::point_bounds;
 use crate::particles::NewParticle;
 use crate::scene::auto_step::chosen_time_step;
-use crate::shape::{MAX_FEATURES, Part, Shape};
+use crate::shape::{MAX_FEATURES, Part, PartGeometry, Shape};
 
 /// A scene that has been proved usable.
 #[derive(Clone, Debug)]
@@ -442,9 +442,17 @@ pub(super) fn material_index(
 /// Whatever may meet a rounded polyhedron must have features that can be named.
 fn check_skeletons(shapes: &[Shape], problems: &mut Problems) {
     let any_rounded = shapes.iter().flat_map(Shape::parts).any(|part| part.is_rounded_polyhedron());
-    let nameless = |shape: &Shape| shape.parts().iter().any(|part| part.skeleton.is_none());
-    for (k, _) in shapes.iter().enumerate().filter(|(_, shape)| any_rounded && nameless(shape)) {
-        let problem = format!("has more than {MAX_FEATURES} features, too many to meet a rounded polyhedron");
+    let nameless = |shape: &Shape| shape.parts().iter().position(|part| part.skeleton.is_none());
+    for (k, shape) in shapes.iter().enumerate().filter(|_| any_rounded) {
+        let Some(part) = nameless(shape) else { continue };
+        let problem = match shape.parts()[part].geometry {
+            PartGeometry::Cylinder { .. } => {
+                "has a cylinder, which cannot meet the rounded polyhedra of this scene: they take spheres, \
+                 spherocylinders, polyhedra and each other; give a spherocylinder, or a rounded_polyhedron of many sides"
+                    .to_owned()
+            }
+            _ => format!("has more than {MAX_FEATURES} features, too many to meet a rounded polyhedron"),
+        };
         problems.add(format!("shape[{k}].geometry"), problem);
     }
 }

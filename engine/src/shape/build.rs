@@ -113,6 +113,9 @@ fn place(geometry: &PartGeometry, rotation: &Mat3, position: &Vec3) -> PartGeome
         PartGeometry::Spherocylinder { ends, radius } => {
             PartGeometry::Spherocylinder { ends: [to_given(&ends[0]), to_given(&ends[1])], radius: *radius }
         }
+        PartGeometry::Cylinder { ends, radius } => {
+            PartGeometry::Cylinder { ends: [to_given(&ends[0]), to_given(&ends[1])], radius: *radius }
+        }
         PartGeometry::Polyhedron(p) => PartGeometry::Polyhedron(p.transformed(rotation, position)),
         PartGeometry::RoundedPolyhedron(p) => {
             PartGeometry::RoundedPolyhedron(Box::new(p.transformed(rotation, position)))
@@ -137,6 +140,11 @@ fn convex(description: &ShapeDescription, at: &str) -> Result<PartGeometry, Shap
                 return Err(ShapeError::TooShort { path, total_length_m: total, least: 2.0 * radius });
             }
             Ok(PartGeometry::Spherocylinder { ends: [Vec3::x() * -half, Vec3::x() * half], radius })
+        }
+        D::Cylinder { radius_m, length_m } => {
+            let (radius, half) = (length("radius_m", *radius_m)?, 0.5 * length("length_m", *length_m)?);
+            let cylinder = PartGeometry::Cylinder { ends: [Vec3::x() * -half, Vec3::x() * half], radius };
+            large_enough(cylinder, if at.is_empty() { "shape" } else { at.trim_end_matches('.') })
         }
         D::Cube { edge_m } => named(solids::cuboid(&Vec3::repeat(length("edge_m", *edge_m)?))),
         D::Box { size_m } => {
@@ -194,8 +202,16 @@ fn polyhedron((vertices, loops): solids::Solid, at: &str) -> Result<PartGeometry
 }
 
 pub(super) fn thick_enough(solid: Polyhedron, path: &str) -> Result<PartGeometry, ShapeError> {
-    let size_m = solid.size();
-    let part = Part::new(PartGeometry::Polyhedron(solid));
+    large_enough(PartGeometry::Polyhedron(solid), path)
+}
+
+/// The geometry, if its volume and inertia are more than rounding.
+fn large_enough(geometry: PartGeometry, path: &str) -> Result<PartGeometry, ShapeError> {
+    let part = Part::new(geometry);
+    let size_m = match &part.geometry {
+        PartGeometry::Polyhedron(solid) => solid.size(),
+        _ => 2.0 * part.radius,
+    };
     let volume_m3 = Moments::of_part(&part).volume;
     // the second moment is a fifth power: it must not underflow either
     if !(volume_m3 > LEAST_VOLUME * size_m.powi(3) && size_m.powi(5) > f64::MIN_POSITIVE / f64::EPSILON) {

@@ -19,6 +19,13 @@ pub enum ShapeDescription {
         /// Length over both caps.
         total_length_m: f64,
     },
+    /// A solid cylinder with flat caps, along x.
+    Cylinder {
+        /// Radius.
+        radius_m: f64,
+        /// Length, from cap to cap.
+        length_m: f64,
+    },
     /// A cube, edges along the axes.
     Cube {
         /// Edge.
@@ -155,6 +162,7 @@ impl ShapeDescription {
         match self {
             Self::Sphere { .. } => "sphere",
             Self::Spherocylinder { .. } => "spherocylinder",
+            Self::Cylinder { .. } => "cylinder",
             Self::Cube { .. } => "cube",
             Self::Box { .. } => "box",
             Self::Tetrahedron { .. } => "tetrahedron",
@@ -182,9 +190,11 @@ impl ShapeDescription {
             | Self::ConvexPolyhedron { .. }
             | Self::Cross2d { .. }
             | Self::Cross3d { .. } => true,
-            Self::Sphere { .. } | Self::Spherocylinder { .. } | Self::RoundedPolyhedron { .. } | Self::File { .. } => {
-                false
-            }
+            Self::Sphere { .. }
+            | Self::Spherocylinder { .. }
+            | Self::Cylinder { .. }
+            | Self::RoundedPolyhedron { .. }
+            | Self::File { .. } => false,
             Self::Composite { parts, .. } => parts.iter().any(|part| part.shape.has_sharp_part()),
         }
     }

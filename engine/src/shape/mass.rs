@@ -1,6 +1,6 @@
 //! Volume, centre of mass and inertia per unit density: exact integrals where there are any.
 //!
-//! Polyhedra by signed tetrahedra, spheres and spherocylinders in closed form, disjoint composites as the sum of
+//! Polyhedra by signed tetrahedra, round parts and cylinders in closed form, disjoint composites as the sum of
 //! their parts, unions of aligned boxes by their cells. What is left goes to the lattice of `lattice.rs`.
 
 use super::polyhedron::Polyhedron;
@@ -69,6 +69,7 @@ impl Moments {
         match &part.geometry {
             PartGeometry::Sphere { center, radius } => sphere(center, *radius),
             PartGeometry::Spherocylinder { ends, radius } => spherocylinder(ends, *radius),
+            PartGeometry::Cylinder { ends, radius } => cylinder(ends, *radius),
             PartGeometry::Polyhedron(p) => polyhedron(p),
             PartGeometry::RoundedPolyhedron(p) => p.solid.as_ref().map_or_else(Self::zero, |solid| {
                 let mut moments = polyhedron(solid);
@@ -112,6 +113,17 @@ fn spherocylinder(ends: &[Vec3; 2], r: f64) -> Moments {
     let direction = if l > 0.0 { axis / l } else { Vec3::x() };
     let second = Mat3::identity() * across + direction * direction.transpose() * (along - across);
     Moments::central(cylinder + caps, second, &((ends[0] + ends[1]) * 0.5))
+}
+
+/// V = pi R^2 L; second moments V L^2 / 12 along the axis, V R^2 / 4 across it.
+fn cylinder(ends: &[Vec3; 2], r: f64) -> Moments {
+    let axis = ends[1] - ends[0];
+    let l = axis.norm();
+    let volume = PI * r * r * l;
+    let (along, across) = (volume * l * l / 12.0, volume * r * r / 4.0);
+    let direction = axis / l;
+    let second = Mat3::identity() * across + direction * direction.transpose() * (along - across);
+    Moments::central(volume, second, &((ends[0] + ends[1]) * 0.5))
 }
 
 fn polyhedron(p: &Polyhedron) -> Moments {

@@ -31,6 +31,7 @@ pub use surface::SurfaceMesh;
 mod tests;
 
 use crate::math::{Mat3, Quat, Vec3};
+use crate::narrow::RING_POINTS;
 
 /// A checked shape. Immutable; shared by all particles of its kind, which scale it.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +53,8 @@ pub struct Part {
     pub radius: f64,
     /// The surface.
     pub geometry: PartGeometry,
-    /// What meets a rounded polyhedron: the part as a skeleton swept by a ball. `None` if it has too many features.
+    /// What meets a rounded polyhedron: the part as a skeleton swept by a ball. `None` if it has too many features, or
+    /// is a cylinder, whose rims are no edges.
     pub skeleton: Option<Box<Skeleton>>,
 }
 
@@ -80,6 +82,13 @@ pub enum PartGeometry {
         /// Ends of the segment.
         ends: [Vec3; 2],
         /// Radius of cylinder and caps.
+        radius: f64,
+    },
+    /// A solid cylinder with flat caps.
+    Cylinder {
+        /// Centres of the caps.
+        ends: [Vec3; 2],
+        /// Its radius.
         radius: f64,
     },
     /// A convex polyhedron.
@@ -167,6 +176,9 @@ impl Part {
             PartGeometry::Spherocylinder { ends, radius } => {
                 ((ends[0] + ends[1]) * 0.5, 0.5 * (ends[1] - ends[0]).norm() + radius)
             }
+            PartGeometry::Cylinder { ends, radius } => {
+                ((ends[0] + ends[1]) * 0.5, (0.5 * (ends[1] - ends[0]).norm()).hypot(*radius))
+            }
             PartGeometry::Polyhedron(p) => ball_around(p.vertices()),
             PartGeometry::RoundedPolyhedron(p) => {
                 let (center, radius) = ball_around(p.skeleton.vertices());
@@ -176,6 +188,7 @@ impl Part {
         let skeleton = match &geometry {
             PartGeometry::Sphere { center, radius } => Some(Skeleton::segment(&[*center], *radius)),
             PartGeometry::Spherocylinder { ends, radius } => Some(Skeleton::segment(ends, *radius)),
+            PartGeometry::Cylinder { .. } => None,
             PartGeometry::Polyhedron(p) => Skeleton::of_polyhedron(p, 0.0),
             PartGeometry::RoundedPolyhedron(p) => Some(p.skeleton.clone()),
         };
@@ -192,6 +205,9 @@ impl Part {
             PartGeometry::Spherocylinder { ends, radius } => {
                 PartGeometry::Spherocylinder { ends: [to_body(&ends[0]), to_body(&ends[1])], radius: *radius }
             }
+            PartGeometry::Cylinder { ends, radius } => {
+                PartGeometry::Cylinder { ends: [to_body(&ends[0]), to_body(&ends[1])], radius: *radius }
+            }
             PartGeometry::Polyhedron(p) => PartGeometry::Polyhedron(p.transformed(rotation, translation)),
             PartGeometry::RoundedPolyhedron(p) => {
                 PartGeometry::RoundedPolyhedron(Box::new(p.transformed(rotation, translation)))
@@ -199,18 +215,22 @@ impl Part {
         })
     }
 
-    /// Radius of a round part, of the bounding sphere of a polyhedron.
+    /// Radius of a round part (of a cylinder: about its axis), of the bounding sphere of a polyhedron.
     pub(crate) fn contact_radius(&self) -> f64 {
         match &self.geometry {
-            PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } => *radius,
+            PartGeometry::Sphere { radius, .. }
+            | PartGeometry::Spherocylinder { radius, .. }
+            | PartGeometry::Cylinder { radius, .. } => *radius,
             PartGeometry::Polyhedron(_) | PartGeometry::RoundedPolyhedron(_) => self.radius,
         }
     }
 
-    /// Radius of a round part, of the ball about the centroid that a polyhedron holds, of both together where rounded.
+    /// Radius of a round part, of the largest ball in a cylinder, of the ball about the centroid that a polyhedron holds,
+    /// of both together where rounded.
     fn half_thickness(&self) -> f64 {
         match &self.geometry {
             PartGeometry::Sphere { radius, .. } | PartGeometry::Spherocylinder { radius, .. } => *radius,
+            PartGeometry::Cylinder { ends, radius } => radius.min(0.5 * (ends[1] - ends[0]).norm()),
             PartGeometry::Polyhedron(p) => 0.5 * p.inside().inner_diameter,
             PartGeometry::RoundedPolyhedron(p) => {
                 let inside = p.solid.as_ref().map_or(0.0, |solid| 0.5 * solid.inside().inner_diameter);
@@ -219,11 +239,12 @@ impl Part {
         }
     }
 
-    /// Most points of a contact with a plane.
+    /// Most points of a contact with a plane, of a cylinder with another flat part.
     pub(crate) fn most_points(&self) -> u32 {
         match &self.geometry {
             PartGeometry::Sphere { .. } => 1,
             PartGeometry::Spherocylinder { .. } => 2,
+            PartGeometry::Cylinder { .. } => RING_POINTS,
             PartGeometry::Polyhedron(p) => {
                 (0..p.faces().len()).map(|face| p.face_vertices(face).len()).max().unwrap_or(1) as u32
             }
@@ -243,6 +264,11 @@ impl Part {
         match &self.geometry {
             PartGeometry::Sphere { center, radius } => center.norm() + radius,
             PartGeometry::Spherocylinder { ends, radius } => ends[0].norm().max(ends[1].norm()) + radius,
+            PartGeometry::Cylinder { ends, radius } => {
+                let axis = (ends[1] - ends[0]).normalize();
+                // the farthest point of a rim lies on the far side of its centre
+                ends.iter().map(|c| c.dot(&axis).hypot(c.cross(&axis).norm() + radius)).fold(0.0, f64::max)
+            }
             PartGeometry::Polyhedron(p) => p.vertices().iter().map(|v| v.norm()).fold(0.0, f64::max),
             PartGeometry::RoundedPolyhedron(p) => p.skeleton.reach + p.skeleton.radius,
         }

@@ -25,6 +25,7 @@ impl SurfaceMesh {
             match &part.geometry {
                 PartGeometry::Sphere { center, radius } => mesh.add_capsule(&[*center, *center], *radius),
                 PartGeometry::Spherocylinder { ends, radius } => mesh.add_capsule(ends, *radius),
+                PartGeometry::Cylinder { ends, radius } => mesh.add_cylinder(ends, *radius),
                 PartGeometry::RoundedPolyhedron(p) => mesh.add_skeleton(&p.skeleton),
                 PartGeometry::Polyhedron(p) => {
                     let base = mesh.vertices.len() as u32;
@@ -57,6 +58,28 @@ impl SurfaceMesh {
                     self.triangles.push([base, base + p, base + q]);
                 }
             }
+        }
+    }
+
+    /// A prism inscribed in the cylinder.
+    fn add_cylinder(&mut self, ends: &[Vec3; 2], radius: f64) {
+        let axis = (ends[1] - ends[0]).normalize();
+        let across = axis.cross(&Vec3::ith(axis.iamin(), 1.0)).normalize();
+        let third = axis.cross(&across);
+        let base = self.vertices.len() as u32;
+        self.vertices.extend_from_slice(ends);
+        for m in 0..MERIDIANS {
+            let (sin, cos) = (TAU * f64::from(m) / f64::from(MERIDIANS)).sin_cos();
+            let outwards = (across * cos + third * sin) * radius;
+            self.vertices.extend(ends.map(|end| end + outwards));
+        }
+        for m in 0..MERIDIANS {
+            let [low, high] = [base + 2 + 2 * m, base + 3 + 2 * m];
+            let next = base + 2 + 2 * ((m + 1) % MERIDIANS);
+            self.triangles.push([base, next, low]);
+            self.triangles.push([base + 1, high, next + 1]);
+            self.triangles.push([low, next, next + 1]);
+            self.triangles.push([low, next + 1, high]);
         }
     }
 

@@ -339,3 +339,55 @@ fn surfaces_are_closed_and_look_outwards() {
         assert!((-1e-12..0.03).contains(&lost), "{text}: {lost}");
     }
 }
+
+/// P0.2: R = 4 mm, L = 5.3 mm, M = 3.1e-4 kg: V = 2.66407e-7, I = 2.48e-9 (axis), 1.96566e-9 (across).
+#[test]
+fn cylinder_of_the_glued_paper() {
+    let (r, l, mass) = (4e-3, 5.3e-3, 3.1e-4);
+    let s = shape(&format!("kind = 'cylinder'\nradius_m = {r}\nlength_m = {l}"));
+    let m = s.mass_properties();
+    close(m.volume, PI * r * r * l, 1e-14);
+    close(m.volume, 2.66407e-7, 1e-6);
+    let inertia = m.principal_inertia * (mass / m.volume);
+    close(inertia.x, 0.5 * mass * r * r, 1e-14);
+    close(inertia.y, mass * (3.0 * r * r + l * l) / 12.0, 1e-14);
+    close(inertia.y, 1.96566e-9, 2e-6);
+    assert_eq!(inertia.y, inertia.z);
+    close(s.bounding_radius(), (0.5 * l).hypot(r), 1e-13);
+    assert_eq!((s.half_thickness(), m.relative_error), (0.5 * l, 0.0));
+    // M r^2 / I of the rim, and 0.5 % for the polygon about it
+    let exact = mass * ((0.5 * l).powi(2) + r * r) / inertia.y;
+    assert!(s.leverage().normal >= exact && s.leverage().normal < 1.01 * exact, "{}", s.leverage().normal);
+    let mesh = s.surface();
+    let signed = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
+        a.dot(&b.cross(&c)) / 6.0
+    };
+    let prism = 0.5 * 24.0 * (PI / 12.0).sin() * r * r * l;
+    close(mesh.triangles.iter().map(signed).sum(), prism, 1e-12);
+    assert!(matches!(build("kind = 'cylinder'\nradius_m = 1.0\nlength_m = 0.0"), Err(ShapeError::NotPositive { .. })));
+    assert!(matches!(build("kind = 'cylinder'\nradius_m = 1.0\nlength_m = 1e-13"), Err(ShapeError::Volume { .. })));
+}
+
+/// Cylinders glued end to end are one cylinder; in a skew frame the axes are found again.
+#[test]
+fn composites_of_cylinders() {
+    let half = |x: f64| {
+        format!("{{ shape = {{ kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }}, position_m = [{x}, 0.0, 0.0] }}")
+    };
+    let glued = shape(&format!("kind = 'composite'\nparts = [{}, {}]", half(-0.5), half(0.5)));
+    let (m, whole) = (glued.mass_properties(), shape("kind = 'cylinder'\nradius_m = 0.5\nlength_m = 2.0"));
+    let w = whole.mass_properties();
+    assert_eq!(m.relative_error, 0.0);
+    close(m.volume, w.volume, 1e-14);
+    assert!((m.principal_inertia - w.principal_inertia).amax() < 1e-14);
+    // two orthogonal equal cylinders, PHYSICS.md P0.6: on the lattice
+    let crossed = shape(
+        "kind = 'composite'\nparts = [{ shape = { kind = 'cylinder', radius_m = 1.0, length_m = 3.0 } },
+         { shape = { kind = 'cylinder', radius_m = 1.0, length_m = 3.0 }, orientation_wxyz = [0.7071067811865476, 0.0, 0.0, 0.7071067811865476] }]",
+    );
+    let m = crossed.mass_properties();
+    let off = [m.volume / 13.516222588, m.principal_inertia.x / 11.648278052, m.principal_inertia.z / 16.005111477];
+    println!("two crossed cylinders: V, Ixx, Izz off by {:?}, stated {:e}", off.map(|x| x - 1.0), m.relative_error);
+    assert!(off.iter().all(|x| (x - 1.0).abs() <= m.relative_error), "{off:?} {}", m.relative_error);
+}

@@ -3,6 +3,7 @@
 use super::mass::Moments;
 use super::{Part, PartGeometry, Polyhedron};
 use crate::math::{Mat3, Vec3};
+use crate::narrow::Solid;
 
 /// A cuboid in the frame of the composite.
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +142,7 @@ fn depth_inside(part: &Part, x: &Vec3) -> f64 {
         PartGeometry::Spherocylinder { ends, radius } => {
             radius - (x - crate::narrow::closest_on_segment(x, &ends[0], &ends[1]).0).norm()
         }
+        PartGeometry::Cylinder { ends, radius } => -Solid::new(ends, *radius).distance(x).0,
         PartGeometry::Polyhedron(p) => p.faces().iter().map(|f| f.offset - f.normal.dot(x)).fold(f64::MAX, f64::min),
         PartGeometry::RoundedPolyhedron(p) => {
             p.solid.as_ref().map_or(f64::MIN, |solid| p.skeleton.radius + depth_in_core(solid, x))

@@ -1,5 +1,6 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
+mod cylinder;
 mod degenerate;
 mod energy;
 mod extremes;
@@ -183,6 +184,7 @@ pub fn registry() -> Vec<Case> {
         slender::cases(),
         sliding::cases(),
         stability::cases(),
+        cylinder::cases(),
         degenerate::cases(),
         extremes::cases(),
         periodic::cases(),

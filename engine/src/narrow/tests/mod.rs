@@ -1,5 +1,6 @@
 //! The narrow phase against closed forms and independent brute force.
 
+mod cylinder;
 mod degenerate;
 mod generic;
 mod oracle;

@@ -20,6 +20,7 @@ fn reach_below(part: &Part, pose: &Similarity, radius: f64) -> Option<f64> {
         PartGeometry::Sphere { center, radius } => (vec![*center], *radius),
         PartGeometry::Spherocylinder { ends, radius } => (ends.to_vec(), *radius),
         PartGeometry::Polyhedron(p) => (p.vertices().to_vec(), 0.0),
+        PartGeometry::Cylinder { .. } => unreachable!("cylinders have tests of their own"),
         PartGeometry::RoundedPolyhedron(p) => (p.skeleton.vertices().to_vec(), p.skeleton.radius),
     };
     let points: Vec<Vec3> = core.iter().map(|x| pose.point(x)).collect();
