@@ -1,5 +1,6 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
+mod boundaries;
 mod degenerate;
 mod extremes;
 mod glued;
@@ -164,6 +165,7 @@ pub fn registry() -> Vec<Case> {
         degenerate::cases(),
         extremes::cases(),
         periodic::cases(),
+        boundaries::cases(),
         refusals::cases(),
         size_ratio::cases(),
         rounded::cases(),
