@@ -290,6 +290,7 @@ fn motion_path(motion: &MotionDescription, path: &str) -> String {
         MotionDescription::Fixed => path.into(),
         MotionDescription::Translation { .. } => format!("motion.translation.{rest}"),
         MotionDescription::Oscillation { .. } => format!("motion.oscillation.{rest}"),
+        MotionDescription::Servo { .. } => format!("motion.servo.{rest}"),
         MotionDescription::Table { .. } => format!("motion.table.{rest}"),
         MotionDescription::Rotation { angular_velocity, .. } => {
             let law = match angular_velocity {

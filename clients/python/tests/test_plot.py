@@ -10,7 +10,9 @@ from matplotlib import image
 import sturz
 from sturz import columns
 from sturz._proto.sturz.v1 import data_pb2 as pb
+from sturz._proto.sturz.v1 import status_pb2 as status_pb
 from sturz.plot import View, field_plot, picture, render
+from sturz.plot.picture import _mesh_edges
 
 CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 # Two triangles a side, counter-clockwise seen from outside.
@@ -215,3 +217,25 @@ def test_a_layer_of_a_field_is_drawn_along_the_axis_asked_for() -> None:
     figure = field_plot(field, "density", normal="z", index=3, least_filling=0.0, dpi=60)
     np.testing.assert_array_equal(figure.axes[0].images[0].get_array(), density[:, :, 3].T)
     assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("x (mm)", "y (mm)")
+
+
+def test_rollers_and_meshes_are_read_and_drawn_where_they_are(tmp_path: Path) -> None:
+    info = status_pb.BoundaryInfo(name="block", material="steel")
+    info.mesh.vertices.CopyFrom(columns.encode("vertices", CORNERS, components=3, unit="m"))
+    triangles = columns.encode("triangles", TRIANGLES, components=3, dtype=pb.DATA_TYPE_U32)
+    info.mesh.triangles.CopyFrom(triangles)
+    block = sturz.Boundary.from_message(info)
+    assert block.kind == "mesh" and block.vertices_m is not None
+    np.testing.assert_array_equal(block.vertices_m, CORNERS)
+    np.testing.assert_array_equal(block.triangles, TRIANGLES)
+    message = pb.BoundaryState(name="block", point_m=pb.Vec3(x=3.0))
+    message.orientation.w, message.orientation.z = TURNED[0], TURNED[3]
+    now = sturz.BoundaryState.from_message(message)
+    edges = _mesh_edges(block, now, View())
+    assert edges.shape == (12, 2, 2), "diagonals of faces are not edges"
+    np.testing.assert_allclose(edges[..., 0].min(), 3.0 - np.sqrt(0.5), atol=1e-12)
+    roller = sturz.Boundary("roller", "steel", "cylinder_outside", np.zeros(3), np.array([0.0, 1.0, 0.0]), 1.0)
+    path = tmp_path / "boundaries.png"
+    figure = picture(state_of([(0.0, 0.0, 1.5)]), (CUBE,), (roller, block), path, dpi=60)
+    assert len(figure.axes[0].collections) == 1 and len(figure.axes[0].patches) >= 2
+    ink(path)

@@ -208,6 +208,17 @@ pub enum Motion {
         /// At the start, rad.
         phase_rad: f64,
     },
+    /// Until it presses on the particles with a force: velocity = gain (target - measured), cut at the largest one.
+    Servo {
+        /// In which it presses.
+        direction: [f64; 3],
+        /// Target, N.
+        force_n: f64,
+        /// Above 0, m/(s N).
+        gain_m_per_s_per_n: f64,
+        /// Above 0, m/s.
+        max_velocity_m_per_s: f64,
+    },
     /// Displacements from where it is over time, linear between the rows.
     Table {
         /// Since the command, s: 0 first, then ascending.
@@ -241,6 +252,10 @@ impl From<Motion> for v1::Motion {
                 frequency_hz,
                 phase_rad,
             }),
+            Motion::Servo { direction, force_n, gain_m_per_s_per_n, max_velocity_m_per_s } => {
+                let direction = Some(vec3(direction));
+                Kind::Servo(v1::ServoMotion { direction, force_n, gain_m_per_s_per_n, max_velocity_m_per_s })
+            }
             Motion::Table { times_s, displacements_m } => Kind::Table(v1::TableMotion {
                 times_s,
                 displacements_m: Some(rows("displacements_m", "m", &displacements_m)),

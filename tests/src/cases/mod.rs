@@ -1,6 +1,7 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod cylinder;
+mod boundaries;
 mod degenerate;
 mod energy;
 mod extremes;
@@ -188,6 +189,7 @@ pub fn registry() -> Vec<Case> {
         degenerate::cases(),
         extremes::cases(),
         periodic::cases(),
+        boundaries::cases(),
         refusals::cases(),
         remote::cases(),
         size_ratio::cases(),

@@ -545,6 +545,32 @@ class Simulation:
         )
         self._set_motion(boundary, pb.Motion(table=table))
 
+    def set_servo(
+        self,
+        *,
+        boundary: str,
+        direction: ArrayLike,
+        force_n: float,
+        gain_m_per_s_per_n: float,
+        max_velocity_m_per_s: float,
+    ) -> None:
+        """Moves a boundary until it presses on the particles with a force: velocity = gain (target - measured).
+
+        Args:
+            boundary: name in the scene; of a box, one of its sides (``room/z+``).
+            direction: in which it presses, (3,).
+            force_n: target; a pressure times its area.
+            gain_m_per_s_per_n: above 0; gain times stiffness times time step must be well below 1.
+            max_velocity_m_per_s: above 0.
+        """
+        servo = pb.ServoMotion(
+            direction=wire.vec3("direction", direction),
+            force_n=force_n,
+            gain_m_per_s_per_n=gain_m_per_s_per_n,
+            max_velocity_m_per_s=max_velocity_m_per_s,
+        )
+        self._set_motion(boundary, pb.Motion(servo=servo))
+
     def set_fixed(self, *, boundary: str) -> None:
         """Lets a boundary rest."""
         self._set_motion(boundary, pb.Motion(fixed=pb.FixedMotion()))

@@ -54,12 +54,13 @@ class BoundaryState:
 
     Attributes:
         name: in the scene.
-        point_m: a point of the plane or of the cylinder's axis, now, (3,), m.
+        point_m: a point of the plane or of the cylinder's axis, or where a mesh's origin is, now, (3,), m.
         direction: normal of the plane, or direction of the axis, (3,).
         angle_rad: of rotation since the start.
         angular_velocity_rad_per_s: about the axis of its motion.
         force_n: of the particles on it, (3,), N.
         torque_n_m: of the particles on it about `point_m`, (3,), N m.
+        orientation_wxyz: world from the frame of a mesh's vertices, (4,).
     """
 
     name: str
@@ -69,6 +70,7 @@ class BoundaryState:
     angular_velocity_rad_per_s: float
     force_n: NDArray[np.float64]
     torque_n_m: NDArray[np.float64]
+    orientation_wxyz: NDArray[np.float64]
 
     @classmethod
     def from_message(cls, message: pb.BoundaryState) -> BoundaryState:
@@ -80,6 +82,7 @@ class BoundaryState:
             angular_velocity_rad_per_s=message.angular_velocity_rad_per_s,
             force_n=columns.from_vec3(message.force_n),
             torque_n_m=columns.from_vec3(message.torque_n_m),
+            orientation_wxyz=np.array([getattr(message.orientation, axis) for axis in "wxyz"]),
         )
 
 

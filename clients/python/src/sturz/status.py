@@ -73,10 +73,12 @@ class Boundary:
     Attributes:
         name: what `set_rotation` and its like ask for.
         material: of its surface.
-        kind: ``plane``, ``cylinder_inside``, ``cylinder_outside``, or empty when this client is too old to know it.
+        kind: ``plane``, ``cylinder_inside``, ``cylinder_outside``, ``mesh``, or empty when this client is too old to know it.
         point_m: a point of the plane or of the axis at the start, (3,), m.
         direction: normal of the plane, or direction of the axis, (3,).
-        radius_m: of a cylinder; NaN for planes.
+        radius_m: of a cylinder; NaN for others.
+        vertices_m: of a mesh at the start, (k, 3), m; None for others.
+        triangles: of a mesh, (m, 3), indices of vertices; None for others.
     """
 
     name: str
@@ -85,6 +87,8 @@ class Boundary:
     point_m: NDArray[np.float64]
     direction: NDArray[np.float64]
     radius_m: float
+    vertices_m: NDArray[np.float64] | None = None
+    triangles: NDArray[np.uint32] | None = None
 
     @classmethod
     def from_message(cls, message: pb.BoundaryInfo) -> Boundary:
@@ -96,6 +100,9 @@ class Boundary:
             geometry = getattr(message, kind)
             point, direction = columns.from_vec3(geometry.point_m), columns.from_vec3(geometry.axis)
             radius = geometry.radius_m
+        elif kind == "mesh":
+            vertices, triangles = columns.decode(message.mesh.vertices), columns.decode(message.mesh.triangles)
+            return cls(message.name, message.material, kind, point, np.array((0.0, 0.0, 1.0)), radius, vertices, triangles)
         return cls(message.name, message.material, kind, point, direction, radius)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from numpy.typing import ArrayLike, NDArray
@@ -49,8 +50,11 @@ def _extent(
         centres = render.project(state.positions_m, view)[:, :2]
         points += [centres - reach[:, None], centres + reach[:, None]]
     for boundary in boundaries:
-        if boundary.kind == "cylinder_inside":
+        if boundary.kind in ("cylinder_inside", "cylinder_outside"):
             points += [ring[:, :2] for ring in _rims(boundary, state, domain, view)]
+        elif boundary.kind == "mesh":
+            now = next((each for each in state.boundaries if each.name == boundary.name), None)
+            points.append(_mesh_edges(boundary, now, view).reshape(-1, 2))
     if not points:
         raise ValueError("there is nothing to draw: neither particles nor a drum")
     every = np.concatenate(points)
@@ -103,6 +107,37 @@ def _draw_drum(
         axes.plot(*ends.T, color=INK, linewidth=0.7, zorder=0.2, solid_capstyle="butt")
     if now.angular_velocity_rad_per_s != 0.0:
         _draw_turn(axes, centre, radius, sense * now.angular_velocity_rad_per_s)
+
+
+def _draw_roller(axes: Any, boundary: Boundary, state: State, domain: Domain | None, view: View) -> None:
+    """The roller, filled from end to end."""
+    for ring in _rims(boundary, state, domain, view):
+        axes.add_patch(Polygon(ring[:, :2] * 1e3, closed=True, facecolor=WALL, edgecolor=INK, linewidth=0.8, zorder=0))
+
+
+def _mesh_edges(boundary: Boundary, now: BoundaryState | None, view: View) -> NDArray[np.float64]:
+    """Edges of a mesh where its surface bends or ends, in view coordinates, (k, 2, 2)."""
+    assert boundary.vertices_m is not None and boundary.triangles is not None
+    vertices, triangles = boundary.vertices_m, np.asarray(boundary.triangles, dtype=np.int64)
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    beside: dict[tuple[int, int], list[int]] = {}
+    for number, (a, b, c) in enumerate(triangles.tolist()):
+        for pair in ((a, b), (b, c), (c, a)):
+            beside.setdefault((min(pair), max(pair)), []).append(number)
+    bent = [pair for pair, of in beside.items() if len(of) == 1 or normals[of[0]] @ normals[of[1]] < 1 - 1e-6]
+    if now is not None and now.orientation_wxyz.any():
+        w, axis = now.orientation_wxyz[0], now.orientation_wxyz[1:]
+        across = 2.0 * np.cross(axis, vertices)
+        vertices = now.point_m + vertices + w * across + np.cross(axis, across)
+    ends = vertices[np.array(bent, dtype=np.int64).reshape(-1, 2)]
+    return np.asarray(render.project(ends.reshape(-1, 3), view))[:, :2].reshape(-1, 2, 2)
+
+
+def _draw_mesh(axes: Any, boundary: Boundary, now: BoundaryState | None, view: View) -> None:
+    """A mesh by its edges."""
+    axes.add_collection(LineCollection(_mesh_edges(boundary, now, view) * 1e3, colors=INK, linewidths=0.7, zorder=0.2))
 
 
 def _draw_turn(axes: Any, centre: NDArray[np.float64], radius: float, rad_per_s: float) -> None:
@@ -172,7 +207,7 @@ def picture(
     Args:
         state: with the columns shapes, positions, orientations, and what `colour_by` needs.
         shapes: from `Simulation.shapes`.
-        boundaries: from `Info.boundaries`; drums are drawn.
+        boundaries: from `Info.boundaries`; drums, rollers and meshes are drawn.
         path: of the file to write (png, pdf, svg); none is written when absent.
         domain: from `Info.domain`: how long a drum along a periodic axis is.
         colour_by: ``speed``, ``angular_speed``, or one number per particle, (n,).
@@ -209,6 +244,10 @@ def picture(
         for boundary in boundaries:
             if boundary.kind == "cylinder_inside":
                 _draw_drum(axes, boundary, by_name.get(boundary.name), state, domain, view)
+            elif boundary.kind == "cylinder_outside":
+                _draw_roller(axes, boundary, state, domain, view)
+            elif boundary.kind == "mesh":
+                _draw_mesh(axes, boundary, by_name.get(boundary.name), view)
         far_right, far_top = left + width * pixel_m, bottom + height * pixel_m
         extent = [left * 1e3, far_right * 1e3, bottom * 1e3, far_top * 1e3]
         axes.imshow(pixels, origin="lower", extent=extent, interpolation="antialiased", zorder=3)

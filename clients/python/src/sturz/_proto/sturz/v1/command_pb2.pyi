@@ -174,18 +174,20 @@ class SetMotionRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., boundary: _Optional[str] = ..., motion: _Optional[_Union[Motion, _Mapping]] = ...) -> None: ...
 
 class Motion(_message.Message):
-    __slots__ = ("fixed", "rotation", "translation", "oscillation", "table")
+    __slots__ = ("fixed", "rotation", "translation", "oscillation", "table", "servo")
     FIXED_FIELD_NUMBER: _ClassVar[int]
     ROTATION_FIELD_NUMBER: _ClassVar[int]
     TRANSLATION_FIELD_NUMBER: _ClassVar[int]
     OSCILLATION_FIELD_NUMBER: _ClassVar[int]
     TABLE_FIELD_NUMBER: _ClassVar[int]
+    SERVO_FIELD_NUMBER: _ClassVar[int]
     fixed: FixedMotion
     rotation: RotationMotion
     translation: TranslationMotion
     oscillation: OscillationMotion
     table: TableMotion
-    def __init__(self, fixed: _Optional[_Union[FixedMotion, _Mapping]] = ..., rotation: _Optional[_Union[RotationMotion, _Mapping]] = ..., translation: _Optional[_Union[TranslationMotion, _Mapping]] = ..., oscillation: _Optional[_Union[OscillationMotion, _Mapping]] = ..., table: _Optional[_Union[TableMotion, _Mapping]] = ...) -> None: ...
+    servo: ServoMotion
+    def __init__(self, fixed: _Optional[_Union[FixedMotion, _Mapping]] = ..., rotation: _Optional[_Union[RotationMotion, _Mapping]] = ..., translation: _Optional[_Union[TranslationMotion, _Mapping]] = ..., oscillation: _Optional[_Union[OscillationMotion, _Mapping]] = ..., table: _Optional[_Union[TableMotion, _Mapping]] = ..., servo: _Optional[_Union[ServoMotion, _Mapping]] = ...) -> None: ...
 
 class FixedMotion(_message.Message):
     __slots__ = ()
@@ -238,6 +240,18 @@ class OscillationMotion(_message.Message):
     frequency_hz: float
     phase_rad: float
     def __init__(self, amplitude_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., frequency_hz: _Optional[float] = ..., phase_rad: _Optional[float] = ...) -> None: ...
+
+class ServoMotion(_message.Message):
+    __slots__ = ("direction", "force_n", "gain_m_per_s_per_n", "max_velocity_m_per_s")
+    DIRECTION_FIELD_NUMBER: _ClassVar[int]
+    FORCE_N_FIELD_NUMBER: _ClassVar[int]
+    GAIN_M_PER_S_PER_N_FIELD_NUMBER: _ClassVar[int]
+    MAX_VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    direction: _data_pb2.Vec3
+    force_n: float
+    gain_m_per_s_per_n: float
+    max_velocity_m_per_s: float
+    def __init__(self, direction: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., force_n: _Optional[float] = ..., gain_m_per_s_per_n: _Optional[float] = ..., max_velocity_m_per_s: _Optional[float] = ...) -> None: ...
 
 class TableMotion(_message.Message):
     __slots__ = ("times_s", "displacements_m")

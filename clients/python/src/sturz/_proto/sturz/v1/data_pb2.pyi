@@ -111,7 +111,7 @@ class Frame(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., n: _Optional[int] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., boundaries: _Optional[_Iterable[_Union[BoundaryState, _Mapping]]] = ..., gravity_m_per_s2: _Optional[_Union[Vec3, _Mapping]] = ...) -> None: ...
 
 class BoundaryState(_message.Message):
-    __slots__ = ("name", "point_m", "direction", "angle_rad", "angular_velocity_rad_per_s", "force_n", "torque_n_m")
+    __slots__ = ("name", "point_m", "direction", "angle_rad", "angular_velocity_rad_per_s", "force_n", "torque_n_m", "orientation")
     NAME_FIELD_NUMBER: _ClassVar[int]
     POINT_M_FIELD_NUMBER: _ClassVar[int]
     DIRECTION_FIELD_NUMBER: _ClassVar[int]
@@ -119,6 +119,7 @@ class BoundaryState(_message.Message):
     ANGULAR_VELOCITY_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
     FORCE_N_FIELD_NUMBER: _ClassVar[int]
     TORQUE_N_M_FIELD_NUMBER: _ClassVar[int]
+    ORIENTATION_FIELD_NUMBER: _ClassVar[int]
     name: str
     point_m: Vec3
     direction: Vec3
@@ -126,7 +127,8 @@ class BoundaryState(_message.Message):
     angular_velocity_rad_per_s: float
     force_n: Vec3
     torque_n_m: Vec3
-    def __init__(self, name: _Optional[str] = ..., point_m: _Optional[_Union[Vec3, _Mapping]] = ..., direction: _Optional[_Union[Vec3, _Mapping]] = ..., angle_rad: _Optional[float] = ..., angular_velocity_rad_per_s: _Optional[float] = ..., force_n: _Optional[_Union[Vec3, _Mapping]] = ..., torque_n_m: _Optional[_Union[Vec3, _Mapping]] = ...) -> None: ...
+    orientation: Quaternion
+    def __init__(self, name: _Optional[str] = ..., point_m: _Optional[_Union[Vec3, _Mapping]] = ..., direction: _Optional[_Union[Vec3, _Mapping]] = ..., angle_rad: _Optional[float] = ..., angular_velocity_rad_per_s: _Optional[float] = ..., force_n: _Optional[_Union[Vec3, _Mapping]] = ..., torque_n_m: _Optional[_Union[Vec3, _Mapping]] = ..., orientation: _Optional[_Union[Quaternion, _Mapping]] = ...) -> None: ...
 
 class Grid(_message.Message):
     __slots__ = ("min_m", "max_m", "cells_x", "cells_y", "cells_z")

@@ -118,16 +118,20 @@ class Domain(_message.Message):
     def __init__(self, min_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., max_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., periodic_x: bool = ..., periodic_y: bool = ..., periodic_z: bool = ...) -> None: ...
 
 class BoundaryInfo(_message.Message):
-    __slots__ = ("name", "material", "plane", "cylinder_inside")
+    __slots__ = ("name", "material", "plane", "cylinder_inside", "cylinder_outside", "mesh")
     NAME_FIELD_NUMBER: _ClassVar[int]
     MATERIAL_FIELD_NUMBER: _ClassVar[int]
     PLANE_FIELD_NUMBER: _ClassVar[int]
     CYLINDER_INSIDE_FIELD_NUMBER: _ClassVar[int]
+    CYLINDER_OUTSIDE_FIELD_NUMBER: _ClassVar[int]
+    MESH_FIELD_NUMBER: _ClassVar[int]
     name: str
     material: str
     plane: PlaneGeometry
     cylinder_inside: CylinderInsideGeometry
-    def __init__(self, name: _Optional[str] = ..., material: _Optional[str] = ..., plane: _Optional[_Union[PlaneGeometry, _Mapping]] = ..., cylinder_inside: _Optional[_Union[CylinderInsideGeometry, _Mapping]] = ...) -> None: ...
+    cylinder_outside: CylinderOutsideGeometry
+    mesh: MeshGeometry
+    def __init__(self, name: _Optional[str] = ..., material: _Optional[str] = ..., plane: _Optional[_Union[PlaneGeometry, _Mapping]] = ..., cylinder_inside: _Optional[_Union[CylinderInsideGeometry, _Mapping]] = ..., cylinder_outside: _Optional[_Union[CylinderOutsideGeometry, _Mapping]] = ..., mesh: _Optional[_Union[MeshGeometry, _Mapping]] = ...) -> None: ...
 
 class PlaneGeometry(_message.Message):
     __slots__ = ("point_m", "normal")
@@ -146,6 +150,24 @@ class CylinderInsideGeometry(_message.Message):
     axis: _data_pb2.Vec3
     radius_m: float
     def __init__(self, point_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., axis: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., radius_m: _Optional[float] = ...) -> None: ...
+
+class CylinderOutsideGeometry(_message.Message):
+    __slots__ = ("point_m", "axis", "radius_m")
+    POINT_M_FIELD_NUMBER: _ClassVar[int]
+    AXIS_FIELD_NUMBER: _ClassVar[int]
+    RADIUS_M_FIELD_NUMBER: _ClassVar[int]
+    point_m: _data_pb2.Vec3
+    axis: _data_pb2.Vec3
+    radius_m: float
+    def __init__(self, point_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., axis: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., radius_m: _Optional[float] = ...) -> None: ...
+
+class MeshGeometry(_message.Message):
+    __slots__ = ("vertices", "triangles")
+    VERTICES_FIELD_NUMBER: _ClassVar[int]
+    TRIANGLES_FIELD_NUMBER: _ClassVar[int]
+    vertices: _data_pb2.Column
+    triangles: _data_pb2.Column
+    def __init__(self, vertices: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., triangles: _Optional[_Union[_data_pb2.Column, _Mapping]] = ...) -> None: ...
 
 class Features(_message.Message):
     __slots__ = ("commands", "columns", "field_quantities", "capabilities", "limits", "scene_schema_json")
