@@ -1,7 +1,7 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
-mod cylinder;
 mod boundaries;
+mod cylinder;
 mod degenerate;
 mod energy;
 mod extremes;
