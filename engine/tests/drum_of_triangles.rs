@@ -14,10 +14,10 @@ const LIFTER: f64 = 0.01;
 const RATE: f64 = 5.0;
 
 /// Extrudes a closed profile (x, z), counter-clockwise from x to z, along y; ends in fans about the axis.
-fn extruded(profile: &[[f64; 2]]) -> Triangles {
+fn extruded(profile: &[[f64; 2]], width: f64) -> Triangles {
     let n = profile.len() as u32;
     let mut vertices: Vec<[f64; 3]> = Vec::new();
-    for y in [-0.5 * WIDTH, 0.5 * WIDTH] {
+    for y in [-0.5 * width, 0.5 * width] {
         vertices.extend(profile.iter().map(|[x, z]| [*x, y, *z]));
         vertices.push([0.0, y, 0.0]);
     }
@@ -30,7 +30,7 @@ fn extruded(profile: &[[f64; 2]]) -> Triangles {
 }
 
 /// A drum of 32 flat pieces with 8 lifters.
-fn drum() -> Triangles {
+fn drum(width: f64) -> Triangles {
     let at = |radius: f64, angle: f64| [radius * angle.cos(), radius * angle.sin()];
     let step = std::f64::consts::TAU / 32.0;
     let mut profile = Vec::new();
@@ -43,7 +43,7 @@ fn drum() -> Triangles {
             profile.push(at(RADIUS, angle + 0.6 * step));
         }
     }
-    extruded(&profile)
+    extruded(&profile, width)
 }
 
 fn turning() -> String {
@@ -87,7 +87,7 @@ fn nothing_escapes_from_a_turning_drum_with_lifters() {
         "kind = \"spherocylinder\", radius_m = 0.002, total_length_m = 0.009",
         "kind = \"cross_3d\", beam_length_m = 0.008, beam_width_m = 0.002",
     ];
-    let walls = mesh("drum", &drum(), &turning());
+    let walls = mesh("drum", &drum(WIDTH), &turning());
     for geometry in shapes {
         let mut engine = filled(geometry, &walls, 30);
         let mut highest = f64::MIN;
@@ -120,7 +120,7 @@ fn about_axis(state: &Snapshot, radius: f64) -> (f64, f64) {
 
 #[test]
 fn torque_on_the_drum_is_that_of_gravity_and_its_work_is_in_the_books() {
-    let walls = mesh("drum", &drum(), &turning());
+    let walls = mesh("drum", &drum(WIDTH), &turning());
     let mut engine = filled("kind = \"sphere\", radius_m = 0.003", &walls, 60);
     run_for(&mut engine, 0.3);
     let dt = engine.clock().time_step_s();
@@ -144,6 +144,31 @@ fn torque_on_the_drum_is_that_of_gravity_and_its_work_is_in_the_books() {
     assert!((impulse - change).abs() < 1e-3 * scale, "{impulse} {change} {scale}");
     let booked = engine.report().energy.work_boundaries_j - work_before;
     assert!((work / booked - 1.0).abs() < 1e-9, "{work} {booked}");
+}
+
+#[test]
+fn a_drum_may_be_periodic_along_its_axis_if_it_reaches_far_enough() {
+    let cell = format!(
+        "[domain]\nmin_m = [0.0, {:?}, 0.0]\nmax_m = [0.0, {:?}, 0.0]\nperiodic = [false, true, false]\n",
+        -0.5 * WIDTH,
+        0.5 * WIDTH
+    );
+    let walls = |width: f64| cell.clone() + &mesh("drum", &drum(width), &turning());
+    let mut engine = filled("kind = \"sphere\", radius_m = 0.003", &walls(2.0 * WIDTH), 30);
+    let kick = sturz_engine::Command::SetGravity([0.0, 3.0, -9.81]);
+    engine.apply(&kick).unwrap();
+    for _ in 0..30 {
+        run_for(&mut engine, 0.02);
+        assert_inside(&snapshot(&engine), "periodic");
+    }
+    let along = snapshot(&engine).velocities.iter().map(|v| v[1]).sum::<f64>() / 30.0;
+    assert!(along > 0.1, "nothing stops them along the axis: {along}");
+    let text = header([0.0; 3], 1e-5, "", "stiffness_n_per_m = 5e3\nrestitution = 0.5")
+        + &shape("kind = \"sphere\", radius_m = 0.003")
+        + &walls(1.2 * WIDTH);
+    let description = sturz_engine::scene::SceneDescription::from_toml(&text).unwrap();
+    let refused = sturz_engine::scene::Scene::validate(description).expect_err("too short").to_string();
+    assert!(refused.contains("boundary[0]: is not the same in every periodic image"), "{refused}");
 }
 
 #[test]

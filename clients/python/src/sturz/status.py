@@ -73,7 +73,8 @@ class Boundary:
     Attributes:
         name: what `set_rotation` and its like ask for.
         material: of its surface.
-        kind: ``plane``, ``cylinder_inside``, ``cylinder_outside``, ``mesh``, or empty when this client is too old to know it.
+        kind: ``plane``, ``cylinder_inside``, ``cylinder_outside``, ``mesh``, or empty when this client is too old to
+            know it.
         point_m: a point of the plane or of the axis at the start, (3,), m.
         direction: normal of the plane, or direction of the axis, (3,).
         radius_m: of a cylinder; NaN for others.
@@ -101,8 +102,8 @@ class Boundary:
             point, direction = columns.from_vec3(geometry.point_m), columns.from_vec3(geometry.axis)
             radius = geometry.radius_m
         elif kind == "mesh":
-            vertices, triangles = columns.decode(message.mesh.vertices), columns.decode(message.mesh.triangles)
-            return cls(message.name, message.material, kind, point, np.array((0.0, 0.0, 1.0)), radius, vertices, triangles)
+            mesh = columns.decode(message.mesh.vertices), columns.decode(message.mesh.triangles)
+            return cls(message.name, message.material, kind, point, np.array((0.0, 0.0, 1.0)), radius, *mesh)
         return cls(message.name, message.material, kind, point, direction, radius)
 
 
