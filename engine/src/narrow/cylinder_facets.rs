@@ -298,7 +298,7 @@ impl Patch {
         }
     }
 
-    /// Adds the corners that overlap, each with half of the outline to its neighbours as share; never nothing.
+    /// Adds the corners that overlap, each with half of the overlapping outline to its neighbours as share; never nothing.
     fn push(&mut self, contact: &Contact, out: &mut Manifold) {
         let first = out.len();
         let corners = &mut self.corners[..self.len];
@@ -309,15 +309,20 @@ impl Patch {
             *angle = e2.dot(&(*x - middle)).atan2(e1.dot(&(*x - middle)));
         }
         corners.sort_unstable_by(|p, q| p.1.total_cmp(&q.1).then(p.2.cmp(&q.2)));
+        // the planes go on beyond the facets, but nothing is deeper than the deepest point
+        let overlap = |x: &Vec3| gap(x, (&self.plane.0, &self.plane.1), &contact.towards).min(contact.depth);
         let n = corners.len();
         for (k, (x, _, key)) in corners.iter().enumerate() {
-            // the planes go on beyond the facets, but nothing is deeper than the deepest point
-            let overlap = gap(x, (&self.plane.0, &self.plane.1), &contact.towards).min(contact.depth);
-            if overlap > 0.0 {
-                let beside = |other: &(Vec3, f64, FeatureKey)| (other.0 - x).norm();
+            let own = overlap(x);
+            if own > 0.0 {
+                // as far as the outline overlaps: which facet it belongs to must not show where two meet at an edge
+                let beside = |(y, _, _): &(Vec3, f64, FeatureKey)| {
+                    let other = overlap(y);
+                    (y - x).norm() * if other < 0.0 { own / (own - other) } else { 1.0 }
+                };
                 let share = 0.5 * (beside(&corners[(k + 1) % n]) + beside(&corners[(k + n - 1) % n])) + contact.near;
-                let position = x - contact.towards * (0.5 * overlap);
-                out.push(contact.point(position, overlap, share, *key, self.is_of_a));
+                let position = x - contact.towards * (0.5 * own);
+                out.push(contact.point(position, own, share, *key, self.is_of_a));
             }
         }
         if out.len() == first {

@@ -185,3 +185,153 @@ fn other_cylinders() {
     let tally = sweep(&[cylinder(0.5, 1.0), cylinder(0.2, 2.0), cylinder(1.0, 0.1), cylinder(0.05, 5.0)], 43, 4_000);
     assert!(tally.touching > 900, "{}", tally.touching);
 }
+
+fn at(rotation: Mat3, x: f64, y: f64, z: f64) -> Similarity {
+    Similarity::rigid(rotation, Vec3::new(x, y, z))
+}
+
+const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
+
+/// Number of points, and that each is as deep and looks as it should.
+fn expect(m: &Manifold, count: usize, normal: Vec3, overlap: f64, slack: f64, label: &str) {
+    assert_eq!(m.len(), count, "{label}: {:?}", m.points());
+    for p in m.points() {
+        assert!((p.normal - normal).norm() < 1e-12 + slack, "{label}: {}", p.normal);
+        assert!((p.overlap - overlap).abs() < 1e-12 + slack, "{label}: {:e}", p.overlap);
+    }
+}
+
+#[test]
+fn aligned_contacts_have_their_points() {
+    let (c, block) = (cylinder(0.4, 1.0), cuboid(1.0, 1.0, 1.0));
+    let upright = rotation(Vec3::y(), QUARTER);
+    for tilt in [0.0, 1e-16, 1e-13, 1e-10, 1e-7] {
+        let label = format!("tilt {tilt:e}");
+        let off = |turn: Mat3| rotation(Vec3::new(0.3, 0.7, -0.2), tilt) * turn;
+        let slack = 10.0 * tilt;
+        let stacked = contacts(&c, &c, &at(off(Mat3::identity()), 0.999, 0.0, 0.0));
+        assert!(stacked.len() >= 4 && stacked.len() <= 8 + 3, "{label}: {}", stacked.len());
+        expect(&stacked, stacked.len(), Vec3::x(), 1e-3, slack, &label);
+        let beside = contacts(&c, &c, &at(off(Mat3::identity()), 0.999, 0.3, 0.0));
+        expect(&beside, beside.len(), Vec3::x(), 1e-3, slack, &label);
+        assert!(
+            beside.points().iter().any(|p| p.position.z > 0.3) && beside.points().iter().any(|p| p.position.z < -0.3)
+        );
+        // a cap on a face, wholly and half over the rim
+        expect(&contacts(&block, &c, &at(off(upright), 0.0, 0.0, 0.999)), 4, Vec3::z(), 1e-3, slack, &label);
+        let half = contacts(&block, &c, &at(off(upright), 0.5, 0.0, 0.999));
+        expect(&half, half.len(), Vec3::z(), 1e-3, slack, &label);
+        for y in [-0.4, 0.4] {
+            let corner = Vec3::new(0.5, y, 0.4995);
+            assert!(
+                half.points().iter().any(|p| (p.position - corner).norm() < 1e-3),
+                "{label}: the rim leaves the face"
+            );
+        }
+        assert!(half.points().iter().all(|p| p.position.x < 0.5 + 1e-6));
+        // the side on a face, and over its rim
+        let side = contacts(&block, &c, &at(off(Mat3::identity()), 0.2, 0.0, 0.899));
+        expect(&side, 2, Vec3::z(), 1e-3, slack, &label);
+        let mut reach: Vec<f64> = side.points().iter().map(|p| p.position.x).collect();
+        reach.sort_by(f64::total_cmp);
+        assert!((reach[0] + 0.3).abs() < 1e-6 && (reach[1] - 0.5).abs() < 1e-6, "{label}: {reach:?}");
+        // sides: parallel, crossed, and on a cap
+        let parallel = contacts(&c, &c, &at(off(Mat3::identity()), 0.5, 0.799, 0.0));
+        let carrying = parallel.points().iter().filter(|p| p.share > 1e-3).count();
+        assert_eq!(carrying, 2, "{label}: {:?}", parallel.points());
+        expect(&parallel, parallel.len(), Vec3::y(), 1e-3, slack, &label);
+        expect(&contacts(&c, &c, &at(off(upright), 0.0, 0.799, 0.1)), 1, Vec3::y(), 1e-3, slack, &label);
+        let lying = contacts(&c, &c, &at(off(rotation(Vec3::z(), QUARTER)), 0.899, 0.0, 0.0));
+        expect(&lying, 2, Vec3::x(), 1e-3, slack, &label);
+    }
+}
+
+#[test]
+fn corners_and_rims_touch_at_one_point() {
+    let (c, block) = (cylinder(0.4, 1.0), cuboid(1.0, 1.0, 1.0));
+    let corner_up = rotation(Vec3::new(1.0, -1.0, 0.0), (2.0_f64.sqrt()).atan());
+    let reach = 0.75_f64.sqrt() - 1e-3;
+    // a vertex on a cap, off its middle, and on the side
+    let on_cap = contacts(&c, &block, &at(rotation(Vec3::y(), -QUARTER) * corner_up, 0.5 + reach, 0.1, 0.0));
+    let on_side = contacts(&c, &block, &at(corner_up, 0.1, 0.0, 0.4 + reach));
+    for (m, normal) in [(&on_cap, Vec3::x()), (&on_side, Vec3::z())] {
+        expect(m, 1, normal, 1e-3, 1e-12, "a vertex");
+    }
+    // an edge across the side, along it, and on a cap
+    let edge_up = rotation(Vec3::x(), 0.5 * QUARTER);
+    let reach = 0.5_f64.sqrt() - 1e-3;
+    expect(&contacts(&c, &block, &at(edge_up, 0.0, 0.0, 0.4 + reach)), 2, Vec3::z(), 1e-3, 1e-12, "an edge along");
+    let across = at(rotation(Vec3::z(), QUARTER) * edge_up, 0.0, 0.0, 0.4 + reach);
+    expect(&contacts(&c, &block, &across), 1, Vec3::z(), 1e-3, 1e-12, "an edge across");
+    let on_cap = at(rotation(Vec3::y(), -QUARTER) * edge_up, 0.5 + reach, 0.0, 0.0);
+    expect(&contacts(&c, &block, &on_cap), 2, Vec3::x(), 1e-3, 1e-12, "an edge on a cap");
+    // a rim tilted onto a face
+    let tilted = rotation(Vec3::y(), 0.5 * QUARTER);
+    let low = (0.5 + 0.4) * 0.5_f64.sqrt();
+    expect(&contacts(&block, &c, &at(tilted, 0.0, 0.0, 0.499 + low)), 1, Vec3::z(), 1e-3, 1e-12, "a rim on a face");
+}
+
+#[test]
+fn nothing_is_ever_not_finite() {
+    let c = cylinder(0.5, 1.0);
+    let others = [ball(0.3), capsule(0.2, 1.0), cylinder(0.5, 1.0), cube(), cylinder(0.1, 3.0)];
+    for other in &others {
+        for turn in
+            [Mat3::identity(), rotation(Vec3::y(), QUARTER), rotation(Vec3::z(), QUARTER), rotation(Vec3::x(), 1.0)]
+        {
+            let (x, y) = (highest(&c, &Vec3::x()), highest(&c, &Vec3::y()));
+            let pose = at(turn, 0.0, 0.0, 0.0);
+            let reach = |n: Vec3| highest(other, &pose.inverse_direction(&-n));
+            let (touching_x, touching_y) = (x + reach(Vec3::x()), y + reach(Vec3::y()));
+            for (dx, dy) in
+                [(0.0, 0.0), (touching_x, 0.0), (0.0, touching_y), (0.25, 0.0), (0.0, 0.25), (touching_x, touching_y)]
+            {
+                for off in [0.0, 1e-16, -1e-16, 1e-13, -1e-13] {
+                    let pose = at(turn, dx * (1.0 + off), dy * (1.0 + off), 0.0);
+                    for (a, b, pose) in [(&c, other, pose), (other, &c, pose.inverse())] {
+                        for p in contacts(a, b, &pose).points() {
+                            assert!((p.normal.norm() - 1.0).abs() < 1e-12 && p.overlap > 0.0 && p.share.is_finite());
+                            assert!(p.position.iter().all(|x| x.is_finite()));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Force and torque of the law f = k w d with w = share d / sum(share d): no jump while a cylinder turns over a block,
+/// but for the few places where another direction becomes the nearest way out.
+#[test]
+fn the_force_of_a_cylinder_is_continuous() {
+    let (c, block) = (cylinder(0.4, 1.0), cuboid(1.0, 1.0, 1.0));
+    let resultant = |b: &Part, pose: &Similarity| {
+        let m = contacts(&c, b, pose);
+        let total: f64 = m.points().iter().map(|p| p.share * p.overlap).sum();
+        let force = |p: &crate::narrow::ManifoldPoint| p.normal * (p.share * p.overlap * p.overlap / total.max(1e-300));
+        let forces = m.points().iter().map(force).sum::<Vec3>();
+        (forces, m.points().iter().map(|p| p.position.cross(&force(p))).sum::<Vec3>())
+    };
+    for (other, label) in [(&block, "block"), (&c, "cylinder")] {
+        for (shift, axis) in [(0.2, Vec3::y()), (0.1, Vec3::new(0.3, 1.0, 0.2))] {
+            let mut before: Option<(Vec3, Vec3)> = None;
+            let mut turns = 0;
+            // from flat on its cap to its side, pressed in by 2e-3
+            for step in 0..20_000 {
+                let angle = f64::from(step) * (QUARTER / 20_000.0);
+                let turn = rotation(axis, angle);
+                let low = |n: &Vec3| highest(other, &turn.tr_mul(n));
+                let pose = at(turn, 0.5 + low(&-Vec3::x()) - 2e-3, shift, 0.05);
+                let now = resultant(other, &pose);
+                if let Some((force, torque)) = before {
+                    let jump = (now.0 - force).norm().max((now.1 - torque).norm());
+                    let turned = (now.0.normalize() - force.normalize()).norm();
+                    turns += usize::from(turned > 0.02);
+                    assert!(jump < 2e-4 || turned > 0.02, "{label} at {angle}: {jump:e} of {:e}", force.norm());
+                }
+                before = Some(now);
+            }
+            assert!(turns <= 3, "{label}: {turns}");
+        }
+    }
+}
