@@ -215,3 +215,27 @@ fn neither_rebuilds_nor_threads_nor_caches_change_a_bit() {
     assert_eq!(first, hash(2, false));
     assert_eq!(first, hash(1, true));
 }
+
+#[test]
+fn what_slides_off_a_rim_loses_little_energy() {
+    let table = cuboid([-0.1, -0.1, -0.05], [0.0, 0.1, 0.0]);
+    for law in LAWS {
+        for (geometry, height) in SHAPES.iter().zip([0.005, 0.003, 0.005, 0.0045]) {
+            let text = header(DOWN, 1e-6, law, ELASTIC)
+                + &shape(geometry)
+                + &mesh("table", &table, "")
+                + &particle([-0.02, 0.0, height], [0.4, 0.05, 0.0], [0.0, 0.0, 0.1]);
+            let mut engine = engine(&text);
+            let before = mechanical(&engine);
+            run_for(&mut engine, 0.09);
+            let state = snapshot(&engine);
+            assert!(
+                state.positions[0][0] > 0.01 && state.positions[0][2] < height,
+                "{geometry}: {:?}",
+                state.positions
+            );
+            let gained = (mechanical(&engine) - before) / engine.report().energy.kinetic_translation_j;
+            assert!(gained.abs() < 1e-4, "{law} {geometry}: {gained:e}");
+        }
+    }
+}
