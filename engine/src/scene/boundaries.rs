@@ -117,10 +117,8 @@ fn check_geometry(geometry: &BoundaryGeometry, path: &str, problems: &mut Proble
         }
         // boxes are expanded already, and building a mesh checks it
         BoundaryGeometry::MeshFile { path: file, .. } => {
-            problems.add(
-                format!("{path}.geometry.path"),
-                format!("is '{file}': files are read together with a scene file only"),
-            );
+            problems
+                .add(format!("{path}.path"), format!("is '{file}': files are read together with a scene file only"));
         }
         BoundaryGeometry::Box { .. } | BoundaryGeometry::Mesh { .. } => {}
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m }
