@@ -38,6 +38,7 @@ fn parameters(description: &ShapeDescription) -> Vec<(&'static str, f64)> {
         D::Spherocylinder { radius_m, total_length_m } => {
             vec![("radius_m", radius_m), ("total_length_m", total_length_m)]
         }
+        D::Cylinder { radius_m, length_m } => vec![("radius_m", radius_m), ("length_m", length_m)],
         D::Cube { edge_m } | D::Tetrahedron { edge_m } | D::Octahedron { edge_m } => vec![("edge_m", edge_m)],
         D::Box { size_m: [x, y, z] } => vec![("size_x_m", x), ("size_y_m", y), ("size_z_m", z)],
         D::Pinacoid { length_m, width_m, height_m, alpha_deg } => {
