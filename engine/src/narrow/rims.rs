@@ -153,17 +153,16 @@ fn each_zero(
 
 /// The zero between two angles at which the function has opposite signs (Illinois' variant of the false position).
 fn zero(f: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], [mut of_low, mut of_high]: [f64; 2]) -> f64 {
-    let (mut low_moved, mut last) = (None, f64::NAN);
+    let mut low_moved = None;
     for _ in 0..60 {
         let mut middle = (low * of_high - high * of_low) / (of_high - of_low);
         if !(middle > low && middle < high) {
             middle = 0.5 * (low + high);
         }
         let value = f(middle);
-        if value == 0.0 || (middle - last).abs() <= 2.0 * f64::EPSILON * middle.abs() {
+        if value == 0.0 || high - low <= 1e-15 {
             return middle;
         }
-        last = middle;
         if (value <= 0.0) == (of_low <= 0.0) {
             (low, of_low) = (middle, value);
             // an end that stays twice would hold up the other one

@@ -112,7 +112,12 @@ fn check(a: &Part, b: &Part, pose: &Similarity, random: &mut Random, tally: &mut
             for (part, x, scale) in [(a, p.position, 1.0), (b, pose.inverse_point(&p.position), pose.scale)] {
                 // a tilt of rounding times the length of a spherocylinder moves its point along
                 let slack = found + 1e-5 * size;
-                assert!(outside(part, &x) * scale < slack, "{label}: a point far outside");
+                assert!(
+                    outside(part, &x) * scale < slack,
+                    "{label}: {:e} outside, {:?}",
+                    outside(part, &x) * scale,
+                    manifold.points()
+                );
             }
         }
         oracle::check_keys(&manifold, label);
