@@ -99,7 +99,7 @@ fn a_tower_of_cylinders_and_cubes_stands() {
         );
     }
     let mut engine = engine(&text);
-    steps(&mut engine, 200_000);
+    steps(&mut engine, 250_000);
     let report = engine.report();
     let mass = engine.scene().particles().iter().map(|p| p.mass).sum::<f64>();
     let energy = &report.energy;

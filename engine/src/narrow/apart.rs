@@ -1,5 +1,6 @@
 //! A cheap proof that two parts are further apart than a gap: what the neighbour list leaves out.
 
+use super::cylinder::Solid;
 use super::features::FeaturePair;
 use super::separating_axis::Pair;
 use crate::math::Similarity;
@@ -15,6 +16,12 @@ pub fn apart_by(a: &Part, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
         let (Some(a), Some(b)) = (&a.skeleton, &b.skeleton) else { return false };
         return FeaturePair { a, b, b_to_a }.apart_by(gap);
     }
+    if let Some(cylinder) = cylinder(a) {
+        return apart_from(&cylinder, b, b_to_a, gap);
+    }
+    if let Some(cylinder) = cylinder(b) {
+        return apart_from(&cylinder, a, &b_to_a.inverse(), gap / b_to_a.scale);
+    }
     match (&a.geometry, &b.geometry) {
         (PartGeometry::Polyhedron(a), PartGeometry::Polyhedron(b)) => Pair { a, b, b_to_a }.separated_by(gap),
         (round_a, round_b) => match (segment(round_a), segment(round_b)) {
@@ -25,6 +32,21 @@ pub fn apart_by(a: &Part, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
             _ => false,
         },
     }
+}
+
+fn cylinder(part: &Part) -> Option<Solid> {
+    let PartGeometry::Cylinder { ends, radius } = &part.geometry else { return None };
+    Some(Solid::new(ends, *radius))
+}
+
+/// Along the axis, across it, and to the other's middle.
+fn apart_from(a: &Solid, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
+    let middle = b_to_a.point(&b.center);
+    let cap = a.axis * 1.0_f64.copysign(a.axis.dot(&(middle - a.center)));
+    [cap, a.outwards(&middle), (middle - a.center).try_normalize(0.0).unwrap_or(cap)].iter().any(|n| {
+        let lowest = n.dot(&b_to_a.translation) - b_to_a.scale * b.reach_along(&b_to_a.inverse_direction(&-n));
+        lowest - n.dot(&a.center) - a.reach_along(n) > gap
+    })
 }
 
 /// Core segment and radius of a round part.

@@ -58,13 +58,18 @@ fn root(p: f64, q: f64, k: f64, low: f64) -> Direction {
         } else {
             high = angle
         }
+        if value == 0.0 {
+            break;
+        }
         let slope = p * cos - q * sin - k * (cos * cos - sin * sin);
         let newton = angle - value / slope;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if next == angle || high - low <= f64::EPSILON * high {
+        let step = (next - angle).abs();
+        angle = next;
+        // a step of rounding may go to and fro for ever
+        if step <= 2.0 * f64::EPSILON * angle {
             break;
         }
-        angle = next;
     }
     let (sin, cos) = angle.sin_cos();
     (cos, sin)

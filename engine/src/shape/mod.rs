@@ -31,7 +31,7 @@ pub use surface::SurfaceMesh;
 mod tests;
 
 use crate::math::{Mat3, Quat, Vec3};
-use crate::narrow::RING_POINTS;
+use crate::narrow::{RING_POINTS, Solid};
 
 /// A checked shape. Immutable; shared by all particles of its kind, which scale it.
 #[derive(Clone, Debug, PartialEq)]
@@ -251,6 +251,21 @@ impl Part {
             PartGeometry::RoundedPolyhedron(p) => {
                 (0..p.skeleton.faces().len()).map(|face| p.skeleton.sides(face).len()).max().unwrap_or(1) as u32
             }
+        }
+    }
+
+    /// Largest height of a point of the part along a unit vector, from the origin.
+    pub(crate) fn reach_along(&self, n: &Vec3) -> f64 {
+        let highest = |points: &[Vec3]| points.iter().map(|x| n.dot(x)).fold(f64::MIN, f64::max);
+        match &self.geometry {
+            PartGeometry::Sphere { center, radius } => n.dot(center) + radius,
+            PartGeometry::Spherocylinder { ends, radius } => highest(ends) + radius,
+            PartGeometry::Cylinder { ends, radius } => {
+                let solid = Solid::new(ends, *radius);
+                n.dot(&solid.center) + solid.reach_along(n)
+            }
+            PartGeometry::Polyhedron(p) => highest(p.vertices()),
+            PartGeometry::RoundedPolyhedron(p) => highest(p.skeleton.vertices()) + p.skeleton.radius,
         }
     }
 

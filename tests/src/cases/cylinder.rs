@@ -214,9 +214,9 @@ fn energy_change(checks: &mut Checks, sharing: &str, degrees: f64, steps: f64) -
 /// I11: without slip a = 2/3 g sin th up to tan th = 3 mu; beyond, g (sin th - mu cos th).
 fn rolling(checks: &mut Checks) -> anyhow::Result<()> {
     const G: f64 = 9.81;
-    let (radius, length, density, stiffness, mu) = (0.01, 0.03, 2500.0, 1e6, 0.3);
+    let (radius, length, density, stiffness, mu) = (0.01, 0.03, 2500.0, 1e6, 0.3f64);
     for (part, rolls) in [(0.3, true), (0.95, true), (1.05, false)] {
-        let theta = (part * 3.0 * mu as f64).atan();
+        let theta = (part * 3.0 * mu).atan();
         let mass = density * PI * radius * radius * length;
         let overlap = mass * G * theta.cos() / stiffness;
         let half = 0.5f64.sqrt();

@@ -110,7 +110,14 @@ fn check(a: &Part, b: &Part, pose: &Similarity, random: &mut Random, tally: &mut
             assert!((p.normal.norm() - 1.0).abs() < 1e-12, "{label}: {}", p.normal);
             assert!(p.overlap > 0.0 && p.share >= 0.0 && p.share.is_finite() && p.position.norm() < 1e9, "{label}");
             for (part, x, scale) in [(a, p.position, 1.0), (b, pose.inverse_point(&p.position), pose.scale)] {
-                assert!(outside(part, &x) * scale < found + 1e-6 * size, "{label}: a point far outside");
+                // a tilt of rounding times the length of a spherocylinder moves its point along
+                let slack = found + 1e-5 * size;
+                assert!(
+                    outside(part, &x) * scale < slack,
+                    "{label}: {:e} outside, {:?}",
+                    outside(part, &x) * scale,
+                    manifold.points()
+                );
             }
         }
         oracle::check_keys(&manifold, label);
