@@ -80,7 +80,7 @@ fn the_critical_step_of_a_row_of_balls_is_that_of_its_highest_mode() {
     let row = |dt: f64| {
         let mut text = header([0.0; 3], dt, "contact_end = \"tension\"", pair) + &shape(BALL);
         text += &plane("left", [0.0; 3], [1.0, 0.0, 0.0]);
-        text += &plane("right", [0.78, 0.0, 0.0], [-1.0, 0.0, 0.0]);
+        text += &plane("right", [0.7795, 0.0, 0.0], [-1.0, 0.0, 0.0]);
         for k in 0..40 {
             let off = if k % 2 == 0 { 1e-6 } else { -1e-6 };
             text += &particle([0.0095 + 0.0195 * f64::from(k) + off, 0.0, 0.0], [0.0; 3], [0.0; 3]);

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::critical_step::largest_stable_product;
+use crate::boundary::WallSide;
 use crate::contact::law::PairLaw;
 use crate::contact::{ContactTable, SlotKind};
 use crate::math::Vec3;
@@ -109,7 +110,8 @@ impl<'a> Side<'a> {
         let material = |row: usize| particles.material[particles.owner(row)] as usize;
         let mass = |row: usize| particles.mass[particles.owner(row)];
         if slot.kind.is_wall() {
-            let law = scene.pairs().get(material(a), scene.boundaries()[b].material as usize)?;
+            let boundary = WallSide::of(scene.boundaries(), slot.b).boundary;
+            let law = scene.pairs().get(material(a), boundary.material as usize)?;
             return Some(Self { a, b: None, law, reduced_mass: mass(a) });
         }
         let law = scene.pairs().get(material(a), material(b))?;
