@@ -135,7 +135,7 @@ fn pose(draw: &mut Draw, k: u64, oracle: &dyn Fn(&Similarity) -> Answer) -> Simi
     let mut between = |low: f64, high: f64| low + (high - low) * draw.unit();
     let turn = |axis: Vec3| *sturz_engine::math::Quat::from_scaled_axis(axis).to_rotation_matrix().matrix();
     let mut rotation: Mat3 = turn(Vec3::from_fn(|_, _| between(-2.5, 2.5)));
-    if k % 2 == 0 {
+    if k.is_multiple_of(2) {
         let small = 10f64.powf(between(-9.0, -1.0));
         rotation = turn(Vec3::from_fn(|_, _| between(-small, small)));
     }

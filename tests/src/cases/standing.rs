@@ -239,5 +239,5 @@ fn lying(shape: &sturz_engine::shape::Shape, draw: &mut Draw) -> (Quat, f64) {
     let plane = &solid.faces()[face];
     let down = Quat::rotation_between(&plane.normal, &-Vec3::z())
         .unwrap_or_else(|| Quat::from_scaled_axis(Vec3::x() * std::f64::consts::PI));
-    (Quat::from_scaled_axis(Vec3::z() * (6.28 * draw.unit())) * down, plane.offset)
+    (Quat::from_scaled_axis(Vec3::z() * (std::f64::consts::TAU * draw.unit())) * down, plane.offset)
 }
