@@ -28,6 +28,7 @@ bundled!(
     "cube-heap",
     "cube-tower",
     "drum-crosses",
+    "drum-lifters",
     "drum-spheres",
     "pinacoid-layer",
     "spherocylinder-slope"
