@@ -58,12 +58,15 @@ motion = { kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0],
     text
 }
 
-fn hashes(threads: usize) -> Vec<u64> {
+fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {
     let mut engine = engine(&drum());
     engine.set_threads(threads);
     let mut hashes = Vec::new();
     for _ in 0..4 {
-        steps(&mut engine, 5000);
+        for _ in 0..5000 / drop_caches_every {
+            steps(&mut engine, drop_caches_every);
+            engine.drop_caches();
+        }
         hashes.push(engine.state_hash());
     }
     let report = engine.report();
@@ -75,10 +78,10 @@ fn hashes(threads: usize) -> Vec<u64> {
 }
 
 #[test]
-fn threads_are_invisible_in_the_bits() {
-    let reference = hashes(1);
-    assert_eq!(hashes(2), reference);
-    assert_eq!(hashes(4), reference);
+fn threads_and_caches_are_invisible_in_the_bits() {
+    let reference = hashes(1, 5000);
+    assert_eq!(hashes(2, 5000), reference);
+    assert_eq!(hashes(4, 5), reference);
 }
 
 /// A tower of five, alternately upright cylinders and cubes: it stands, and carries its weight.

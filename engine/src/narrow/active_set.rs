@@ -18,6 +18,7 @@
 use super::closest::segment_segment;
 use super::separating_axis::{EdgeInB, Pair, Separation};
 use crate::math::{Mat3, Similarity, Vec3};
+use crate::shape::Part;
 
 /// Window over the radius of the smaller part. Wider: fewer full tests, more active features.
 const WINDOW: f64 = 0.04;
@@ -43,7 +44,7 @@ enum Knowledge {
     TooMany,
 }
 
-/// Kept per pair of polyhedra from step to step; start with the default.
+/// Kept per pair of polyhedra or cylinders from step to step; start with the default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairCache {
     rotation: Mat3,
@@ -82,6 +83,22 @@ impl PairCache {
     fn motion(&self, b_to_a: &Similarity) -> f64 {
         let turned = (b_to_a.rotation - self.rotation).norm_squared() * 0.5;
         (b_to_a.translation - self.translation).norm() + turned.sqrt() * self.reach
+    }
+
+    /// Whether the parts have been found so far apart that their motion since cannot have closed the gap: for parts of
+    /// any kind.
+    pub(super) fn are_apart(&self, b_to_a: &Similarity) -> bool {
+        self.knowledge == Knowledge::Separated && self.motion(b_to_a) * (1.0 + SLACK) < self.separation * (1.0 - SLACK)
+    }
+
+    /// Remembers a gap that a full test has found, in the unit of `a`.
+    pub(super) fn learn_gap(&mut self, gap: f64, (a, b): (&Part, &Part), b_to_a: &Similarity) {
+        let reach = |part: &Part| part.center.norm() + part.radius;
+        self.rotation = b_to_a.rotation;
+        self.translation = b_to_a.translation;
+        self.reach = (reach(b) * b_to_a.scale).max(reach(a) + self.translation.norm());
+        self.separation = gap - SLACK * self.reach;
+        self.knowledge = Knowledge::Separated;
     }
 
     /// The deepest axis, or `None` if some axis separates the parts: that of the full test, to the bit.

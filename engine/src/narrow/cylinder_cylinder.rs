@@ -18,10 +18,14 @@ const FACE_PREFERENCE: f64 = 1e-12;
 /// Sine of the angle between the axes below which they are parallel to rounding.
 const PARALLEL: f64 = 1e-14;
 
-/// The points of a contact with a cap or along the sides, or a single one; nothing if the parts are apart.
-pub fn cylinder_cylinder(a: &Cylinder, b: &Cylinder, b_to_a: &Similarity, out: &mut Manifold) {
+/// The points of a contact with a cap or along the sides, or a single one. If the parts are apart nothing, and the answer
+/// is how far at least.
+pub fn cylinder_cylinder(a: &Cylinder, b: &Cylinder, b_to_a: &Similarity, out: &mut Manifold) -> Option<f64> {
     let (a, b) = (Solid::of(a), Solid::of(b).mapped(b_to_a));
-    let Some(found) = Search::run(&a, &b) else { return };
+    let found = match Search::run(&a, &b) {
+        Ok(found) => found,
+        Err(gap) => return Some(gap),
+    };
     let towards = found.towards;
     let near = COINCIDENT * a.reach().min(b.reach());
     // a rim of the other on a cap is one of its own points
@@ -42,6 +46,7 @@ pub fn cylinder_cylinder(a: &Cylinder, b: &Cylinder, b_to_a: &Similarity, out: &
             }
         }
     }
+    None
 }
 
 /// First and last end of either line that lies beside the other cylinder, each as deep as it is in that one's side.
@@ -106,8 +111,8 @@ struct Search<'s> {
 }
 
 impl<'s> Search<'s> {
-    /// The deepest direction, or `None` if one separates.
-    fn run(a: &'s Solid, b: &'s Solid) -> Option<Found> {
+    /// The deepest direction, or the gap along one that separates.
+    fn run(a: &'s Solid, b: &'s Solid) -> Result<Found, f64> {
         let nothing = Found { towards: a.axis, distance: f64::MIN, middle: a.center, is_cap: true };
         let mut search = Self { a, b, best: nothing, to_beat: f64::MIN, is_cap: true };
         let d = b.center - a.center;
@@ -117,7 +122,7 @@ impl<'s> Search<'s> {
         search.is_cap = false;
         search.to_beat = (search.best.distance + FACE_PREFERENCE * (a.reach() + b.reach())).min(0.0);
         if search.best.distance >= 0.0 {
-            return None;
+            return Err(search.best.distance);
         }
         search.sides(&facing);
         search.side_at_rims(true);
@@ -125,7 +130,7 @@ impl<'s> Search<'s> {
         if search.best.distance < 0.0 {
             rim_directions(a, b, -search.to_beat, |towards, middle| search.measure(towards, |_, _| middle));
         }
-        (search.best.distance < 0.0).then_some(search.best)
+        if search.best.distance < 0.0 { Ok(search.best) } else { Err(search.best.distance) }
     }
 
     fn measure(&mut self, towards: Vec3, at: impl Fn(Vec3, f64) -> Vec3) {

@@ -21,17 +21,21 @@ const FACE_PREFERENCE: f64 = 1e-12;
 /// Sine of the angle between axis and edge below which they are parallel to rounding.
 const PARALLEL: f64 = 1e-14;
 
-/// The points of a contact with a cap or along the side, or a single one; nothing if the parts are apart.
+/// The points of a contact with a cap or along the side, or a single one. If the parts are apart nothing, and the answer
+/// is how far at least.
 pub fn cylinder_polyhedron(
     (part_a, a): (&Part, &Cylinder),
     (part_b, b): (&Part, &Polyhedron),
     b_to_a: &Similarity,
     out: &mut Manifold,
-) {
+) -> Option<f64> {
     let solid = Solid::of(a);
     let (size_a, size_b) = (part_a.radius, part_b.radius * b_to_a.scale);
     let in_b = solid.mapped(&b_to_a.inverse());
-    let Some(found) = Search::run(&in_b, b, (size_a + size_b) / b_to_a.scale) else { return };
+    let found = match Search::run(&in_b, b, (size_a + size_b) / b_to_a.scale) {
+        Ok(found) => found,
+        Err(gap) => return Some(gap * b_to_a.scale),
+    };
     let (face, _) = incident_face(b, &-found.outwards, EQUALLY_DEEP * part_b.radius);
     let face = Face::new(b, face, b_to_a);
     let contact = Contact {
@@ -44,6 +48,7 @@ pub fn cylinder_polyhedron(
         Facing::Cap(cap) => cap.push_on_face(&face, &contact, out),
         Facing::Line(line) => line.push_on_face(&face, &contact, out),
     }
+    None
 }
 
 /// A direction out of the polyhedron, the separation along it, and where the parts meet in the middle.
@@ -63,8 +68,8 @@ struct Search<'s> {
 }
 
 impl<'s> Search<'s> {
-    /// The deepest direction, or `None` if one separates.
-    fn run(solid: &'s Solid, b: &'s Polyhedron, size: f64) -> Option<Found> {
+    /// The deepest direction, or the gap along one that separates.
+    fn run(solid: &'s Solid, b: &'s Polyhedron, size: f64) -> Result<Found, f64> {
         let nothing =
             Found { outwards: solid.axis, distance: f64::MIN, middle: solid.center, feature: FeatureKey::point(0) };
         let mut search = Self { solid, b, best: nothing, to_beat: f64::MIN };
@@ -76,7 +81,7 @@ impl<'s> Search<'s> {
             search.vertices();
             search.edges();
         }
-        (search.best.distance < 0.0).then_some(search.best)
+        if search.best.distance < 0.0 { Ok(search.best) } else { Err(search.best.distance) }
     }
 
     fn offer(&mut self, outwards: Vec3, distance: f64, middle: Vec3, feature: FeatureKey) {

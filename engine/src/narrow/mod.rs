@@ -164,6 +164,16 @@ fn feature_points(a: &Part, b: &Part, b_to_a: &Similarity, out: &mut Manifold) {
     }
 }
 
+/// Runs a test that answers with a gap, unless the gap of an earlier one cannot have closed yet.
+fn unless_apart(cache: &mut PairCache, parts: (&Part, &Part), b_to_a: &Similarity, test: impl FnOnce() -> Option<f64>) {
+    if cache.are_apart(b_to_a) {
+        return;
+    }
+    if let Some(gap) = test() {
+        cache.learn_gap(gap, parts, b_to_a);
+    }
+}
+
 /// The table of pairs; the other orders come here swapped.
 fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCache, out: &mut Manifold) {
     use PartGeometry as P;
@@ -187,10 +197,12 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCac
             spherocylinder_cylinder(&capsule(d, *r), &cylinder(e, *s), b_to_a, out);
         }
         (P::Cylinder { ends: d, radius: r }, P::Cylinder { ends: e, radius: s }) => {
-            cylinder_cylinder(&cylinder(d, *r), &cylinder(e, *s), b_to_a, out);
+            unless_apart(cache, (a, b), b_to_a, || cylinder_cylinder(&cylinder(d, *r), &cylinder(e, *s), b_to_a, out));
         }
         (P::Cylinder { ends, radius }, P::Polyhedron(q)) => {
-            cylinder_polyhedron((a, &cylinder(ends, *radius)), (b, q), b_to_a, out);
+            unless_apart(cache, (a, b), b_to_a, || {
+                cylinder_polyhedron((a, &cylinder(ends, *radius)), (b, q), b_to_a, out)
+            });
         }
         (P::Sphere { center, radius }, P::Polyhedron(q)) => {
             sphere_polyhedron(&sphere(center, *radius), q, b_to_a, out);
