@@ -115,11 +115,11 @@ fn check_geometry(geometry: &BoundaryGeometry, path: &str, problems: &mut Proble
             problems.finite(&format!("{path}.point_m"), point_m);
             problems.direction(&format!("{path}.normal"), normal);
         }
-        // boxes are expanded already, and building a mesh checks it
         BoundaryGeometry::MeshFile { path: file, .. } => {
             problems
                 .add(format!("{path}.path"), format!("is '{file}': files are read together with a scene file only"));
         }
+        // boxes are expanded already, and building a mesh checks it
         BoundaryGeometry::Box { .. } | BoundaryGeometry::Mesh { .. } => {}
         BoundaryGeometry::CylinderInside { point_m, axis, radius_m }
         | BoundaryGeometry::CylinderOutside { point_m, axis, radius_m } => {

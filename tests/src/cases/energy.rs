@@ -16,7 +16,7 @@ use crate::scene::{SceneText, snapshot};
 pub fn cases() -> Vec<Case> {
     vec![
         Case::slow("ENERGY", "elastic hits of polyhedra: 200 poses of each kind, all laws", full),
-        Case::fast("ENERGYS", "the same, the default law, few poses", short),
+        Case::fast("ENERGYS", "the same, the laws with gates, few poses", short),
     ]
 }
 
@@ -240,6 +240,9 @@ fn full(checks: &mut Checks) -> anyhow::Result<()> {
 
 fn short(checks: &mut Checks) -> anyhow::Result<()> {
     table(checks, &LAWS[0], 8, &[50, 200])?;
+    for law in LAWS[1..].iter().filter(|law| law.gated) {
+        table(checks, law, 4, &[200])?;
+    }
     let solids = solids()?;
     for solid in [&solids[0], &solids[2]] {
         aligned_hits_do_not_spin(checks, solid)?;
