@@ -1,5 +1,6 @@
 //! Closest points of points, segments and polyhedra; no tolerance that is not relative to the lengths handed in.
 
+use super::segments::SegmentPair;
 use crate::math::Vec3;
 use crate::shape::Polyhedron;
 
@@ -17,31 +18,9 @@ pub fn closest_on_segment(x: &Vec3, p: &Vec3, q: &Vec3) -> (Vec3, f64) {
 
 /// Closest points of two segments, on `p` and on `q`. Either may be a point; parallel ones give one of their pairs.
 pub fn segment_segment(p: &[Vec3; 2], q: &[Vec3; 2]) -> (Vec3, Vec3) {
-    let (u, v, w) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
-    let (a, b, c) = (u.norm_squared(), u.dot(&v), v.norm_squared());
-    let (d, e) = (u.dot(&w), v.dot(&w));
-    let determinant = a * c - b * b;
-    // where the lines are parallel to rounding, any s serves: the clamped end checks below find a closest pair
-    let s = if determinant > 1e-15 * a * c { ((b * e - c * d) / determinant).clamp(0.0, 1.0) } else { 0.5 };
-    let start = p[0] + u * s;
-    let on_q = closest_on_segment(&start, &q[0], &q[1]).0;
-    let on_p = closest_on_segment(&on_q, &p[0], &p[1]).0;
-    let mut best = (on_p, on_q);
-    let mut least = (on_p - on_q).norm_squared();
-    let mut offer = |x: Vec3, y: Vec3| {
-        let distance = (x - y).norm_squared();
-        if distance < least {
-            least = distance;
-            best = (x, y);
-        }
-    };
-    for x in p {
-        offer(*x, closest_on_segment(x, &q[0], &q[1]).0);
-    }
-    for y in q {
-        offer(closest_on_segment(y, &p[0], &p[1]).0, *y);
-    }
-    best
+    let pair = SegmentPair::new(p, q);
+    let (s, t) = pair.closest();
+    (pair.on_p(s), pair.on_q(t))
 }
 
 /// The face whose plane `x` is farthest outside of (or least deep below), and that signed distance.

@@ -23,6 +23,7 @@ mod polyhedron_polyhedron;
 mod rims;
 mod roller;
 mod round;
+mod segments;
 mod separating_axis;
 mod sphere_cylinder;
 mod sphere_polyhedron;

@@ -13,20 +13,27 @@ pub(crate) struct Ball {
     pub radius: f64,
 }
 
-/// Unit vector from `a` to `b`, or `otherwise` where they coincide.
-pub(crate) fn direction(a: &Ball, b: &Ball, otherwise: &Vec3) -> Vec3 {
-    let d = b.center - a.center;
-    let distance = d.norm();
-    if distance > COINCIDENT * (a.radius + b.radius) { d / distance } else { *otherwise }
-}
-
 /// The contact of two balls, or `None` if they do not overlap; `otherwise` is the normal of coincident ones.
-pub(crate) fn contact(a: &Ball, b: &Ball, otherwise: &Vec3, feature: FeatureKey, share: f64) -> Option<ManifoldPoint> {
-    let overlap = a.radius + b.radius - (b.center - a.center).norm();
+#[inline]
+pub(crate) fn contact(
+    a: &Ball,
+    b: &Ball,
+    otherwise: impl FnOnce() -> Vec3,
+    feature: FeatureKey,
+    share: f64,
+) -> Option<ManifoldPoint> {
+    let d = b.center - a.center;
+    let (reach, squared) = (a.radius + b.radius, d.norm_squared());
+    // without the root, and not closer than its rounding
+    if squared > reach * reach * (1.0 + 1e-12) {
+        return None;
+    }
+    let distance = squared.sqrt();
+    let overlap = reach - distance;
     if overlap <= 0.0 {
         return None;
     }
-    let normal = direction(a, b, otherwise);
+    let normal = if distance > COINCIDENT * reach { d / distance } else { otherwise() };
     let position = a.center + normal * (a.radius - 0.5 * overlap);
     Some(ManifoldPoint { position, normal, overlap, share, feature })
 }
@@ -39,7 +46,7 @@ pub(crate) fn across(d: &Vec3) -> Vec3 {
 }
 
 /// Adds the contact of two balls if there is one.
-pub(crate) fn push(a: &Ball, b: &Ball, otherwise: &Vec3, out: &mut Manifold) {
+pub(crate) fn push(a: &Ball, b: &Ball, otherwise: impl FnOnce() -> Vec3, out: &mut Manifold) {
     if let Some(point) = contact(a, b, otherwise, FeatureKey::point(0), 1.0) {
         out.push(point);
     }

@@ -9,5 +9,5 @@ use crate::math::Similarity;
 pub fn sphere_spherocylinder(a: &Sphere, b: &Spherocylinder, b_to_a: &Similarity, out: &mut Manifold) {
     let ends = b.ends.map(|e| b_to_a.point(&e));
     let b = Ball { center: closest_on_segment(&a.center, &ends[0], &ends[1]).0, radius: b.radius * b_to_a.scale };
-    push(&Ball { center: a.center, radius: a.radius }, &b, &across(&(ends[1] - ends[0])), out);
+    push(&Ball { center: a.center, radius: a.radius }, &b, || across(&(ends[1] - ends[0])), out);
 }

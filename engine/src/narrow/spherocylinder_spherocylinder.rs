@@ -4,8 +4,8 @@
 //! parallel, where its place is undefined, and fade the ends out as they lift off, so the share-weighted force is
 //! continuous in the pose.
 
-use super::closest::{closest_on_segment, segment_segment};
-use super::round::{Ball, across, contact, direction};
+use super::round::{Ball, across, contact};
+use super::segments::SegmentPair;
 use super::{FeatureKey, Manifold, ManifoldPoint, Spherocylinder};
 use crate::math::{Similarity, Vec3};
 
@@ -18,28 +18,33 @@ const WIDEST: f64 = 0.5;
 pub fn spherocylinder_spherocylinder(a: &Spherocylinder, b: &Spherocylinder, b_to_a: &Similarity, out: &mut Manifold) {
     let q = b.ends.map(|e| b_to_a.point(&e));
     let radii = (a.radius, b.radius * b_to_a.scale);
+    let axes = SegmentPair::new(&a.ends, &q);
+    if axes.lines_are_apart(radii.0 + radii.1) {
+        return;
+    }
+    let (s, t) = axes.closest();
     let balls = |x: Vec3, y: Vec3| (Ball { center: x, radius: radii.0 }, Ball { center: y, radius: radii.1 });
-    let (x, y) = segment_segment(&a.ends, &q);
-    let (ball_a, ball_b) = balls(x, y);
-    let fallback = crossing_normal(&a.ends, &q);
-    let Some(mut deepest) = contact(&ball_a, &ball_b, &fallback, FeatureKey::point(0), 1.0) else { return };
-    let normal = direction(&ball_a, &ball_b, &fallback);
-    let ends = side_by_side(&a.ends, &q).map(|(first, last, length)| {
-        let end = |e: &End| {
-            let (ball_a, ball_b) = balls(e.on_a, e.on_b);
-            contact(&ball_a, &ball_b, &normal, e.feature, 0.0)
-        };
-        ([end(&first), end(&last)], length)
+    let (ball_a, ball_b) = balls(axes.on_p(s), axes.on_q(t));
+    let Some(mut deepest) = contact(&ball_a, &ball_b, || crossing_normal(&axes), FeatureKey::point(0), 1.0) else {
+        return;
+    };
+    let fade = fade(axes.squared_sine());
+    let beside = if fade > 0.0 { side_by_side(&axes) } else { None };
+    let Some((ends, length)) = beside else { return out.push(deepest) };
+    let ends = ends.map(|end| {
+        let (ball_a, ball_b) = balls(end.on_a, end.on_b);
+        contact(&ball_a, &ball_b, || deepest.normal, end.feature, 0.0)
     });
-    let Some((ends, length)) = ends else { return out.push(deepest) };
-    push_shared(&mut deepest, ends, parallelism(&a.ends, &q), length, out);
+    push_shared(&mut deepest, ends, fade, length, out);
 }
 
 /// 1 for parallel axes, fading to 0 at the widest angle.
 pub(super) fn parallelism(p: &[Vec3; 2], q: &[Vec3; 2]) -> f64 {
-    let (u, v) = (p[1] - p[0], q[1] - q[0]);
-    let sine2 = u.cross(&v).norm_squared() / (u.norm_squared() * v.norm_squared());
-    (1.0 - sine2 / (WIDEST * WIDEST)).max(0.0)
+    fade(SegmentPair::new(p, q).squared_sine())
+}
+
+fn fade(squared_sine: f64) -> f64 {
+    (1.0 - squared_sine / (WIDEST * WIDEST)).max(0.0)
 }
 
 /// Shares `length` among the deepest point and the two ends, and adds those that carry. `fade` scales what the ends get.
@@ -62,14 +67,11 @@ pub(super) fn push_shared(
 }
 
 /// The normal of axes that meet: across both, or across one if they are parallel.
-fn crossing_normal(p: &[Vec3; 2], q: &[Vec3; 2]) -> Vec3 {
-    let (u, v) = (p[1] - p[0], q[1] - q[0]);
-    let cross = u.cross(&v);
-    let length = cross.norm();
-    if length > 1e-9 * u.norm() * v.norm() {
-        return cross / length;
+fn crossing_normal(axes: &SegmentPair) -> Vec3 {
+    if axes.squared_sine() > 1e-18 {
+        return axes.n.normalize();
     }
-    across(if u.norm_squared() > 0.0 { &u } else { &v })
+    across(if axes.uu > 0.0 { &axes.u } else { &axes.v })
 }
 
 struct End {
@@ -80,19 +82,18 @@ struct End {
 }
 
 /// First and last end of either segment that lies beside the other one, and the length between them.
-fn side_by_side(p: &[Vec3; 2], q: &[Vec3; 2]) -> Option<(End, End, f64)> {
-    let (u, v) = (p[1] - p[0], q[1] - q[0]);
-    let length = u.norm().min(v.norm());
-    if length == 0.0 {
+fn side_by_side(axes: &SegmentPair) -> Option<([End; 2], f64)> {
+    let least = axes.uu.min(axes.vv);
+    if least == 0.0 {
         return None;
     }
     // the bisector: the stretch must not depend on which of the two is called a
-    let (u, v) = (u.normalize(), v.normalize());
-    let axis = if u.dot(&v) >= 0.0 { u + v } else { u - v }.normalize();
-    let middle = (p[0] + p[1] + q[0] + q[1]) * 0.25;
+    let axis = axes.u * axes.vv.sqrt() + axes.v * axes.uu.sqrt().copysign(axes.uv);
+    let middle = axes.p + axes.q + (axes.u + axes.v) * 0.5;
     let (mut first, mut last): (Option<End>, Option<End>) = (None, None);
-    let mut offer = |on_a: Vec3, on_b: Vec3, feature: FeatureKey| {
-        let along = axis.dot(&((on_a + on_b) * 0.5 - middle));
+    let mut offer = |s: f64, t: f64, feature: FeatureKey| {
+        let (on_a, on_b) = (axes.on_p(s), axes.on_q(t));
+        let along = axis.dot(&(on_a + on_b - middle));
         let end = || End { along, on_a, on_b, feature };
         if first.as_ref().is_none_or(|e| along < e.along) {
             first = Some(end());
@@ -101,25 +102,22 @@ fn side_by_side(p: &[Vec3; 2], q: &[Vec3; 2]) -> Option<(End, End, f64)> {
             last = Some(end());
         }
     };
-    for (i, x) in (0..).zip(p) {
-        let (y, t) = closest_on_segment(x, &q[0], &q[1]);
-        if inside(t, x, &y, &q[0], &q[1]) {
-            offer(*x, y, FeatureKey::vertex_of_a(i));
+    for (i, s) in [(0, 0.0), (1, 1.0)] {
+        if let Some(t) = beside(axes.foot_on_q(s)) {
+            offer(s, t, FeatureKey::vertex_of_a(i));
         }
     }
-    for (j, y) in (0..).zip(q) {
-        let (x, s) = closest_on_segment(y, &p[0], &p[1]);
-        if inside(s, y, &x, &p[0], &p[1]) {
-            offer(x, *y, FeatureKey::vertex_of_b(j));
+    for (j, t) in [(0, 0.0), (1, 1.0)] {
+        if let Some(s) = beside(axes.foot_on_p(t)) {
+            offer(s, t, FeatureKey::vertex_of_b(j));
         }
     }
     let (first, last) = (first?, last?);
-    let stretch = last.along - first.along;
-    (stretch > FADED * length).then_some((first, last, stretch))
+    let stretch = 0.5 * (last.along - first.along) / axis.norm();
+    (stretch > FADED * least.sqrt()).then_some(([first, last], stretch))
 }
 
-/// Whether `x` lies beside the segment, that is, `y` is its foot and not merely the nearer end.
-fn inside(parameter: f64, x: &Vec3, y: &Vec3, from: &Vec3, to: &Vec3) -> bool {
-    let d = to - from;
-    (parameter > 0.0 && parameter < 1.0) || d.dot(&(x - y)).abs() <= FADED * d.norm_squared()
+/// Where a foot lies on a segment, unless it lies beyond its ends.
+fn beside(parameter: f64) -> Option<f64> {
+    (-FADED..=1.0 + FADED).contains(&parameter).then(|| parameter.clamp(0.0, 1.0))
 }
