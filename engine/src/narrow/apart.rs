@@ -2,14 +2,18 @@
 
 use super::cylinder::Solid;
 use super::features::FeaturePair;
+use super::segments::SegmentPair;
 use super::separating_axis::Pair;
 use crate::math::Similarity;
-use crate::shape::{Part, PartGeometry};
+use crate::shape::{Part, PartGeometry, Spine};
 
 /// Whether the parts are provably more than `gap` apart (in the unit of `a`). False means nothing.
 pub fn apart_by(a: &Part, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
     let reach = a.radius + b.radius * b_to_a.scale + gap;
     if (b_to_a.point(&b.center) - a.center).norm_squared() >= reach * reach {
+        return true;
+    }
+    if (a.spine.is_some() || b.spine.is_some()) && spines_are_apart(a, b, b_to_a, gap) {
         return true;
     }
     if a.is_rounded_polyhedron() || b.is_rounded_polyhedron() {
@@ -24,14 +28,22 @@ pub fn apart_by(a: &Part, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
     }
     match (&a.geometry, &b.geometry) {
         (PartGeometry::Polyhedron(a), PartGeometry::Polyhedron(b)) => Pair { a, b, b_to_a }.separated_by(gap),
-        (round_a, round_b) => match (segment(round_a), segment(round_b)) {
-            (Some((ends_a, radius_a)), Some((ends_b, radius_b))) => {
-                let (x, y) = super::segment_segment(&ends_a, &ends_b.map(|x| b_to_a.point(&x)));
-                (y - x).norm() > radius_a + radius_b * b_to_a.scale + gap
-            }
-            _ => false,
-        },
+        // round parts are their spines or balls
+        _ => false,
     }
+}
+
+/// By bounding spherocylinders, those without by their bounding balls.
+fn spines_are_apart(a: &Part, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
+    let spine = |part: &Part| part.spine.unwrap_or(Spine { ends: [part.center; 2], radius: part.radius });
+    let (a, b) = (spine(a), spine(b));
+    let reach = a.radius + b.radius * b_to_a.scale + gap;
+    let axes = SegmentPair::new(&a.ends, &b.ends.map(|x| b_to_a.point(&x)));
+    if axes.lines_are_apart(reach) {
+        return true;
+    }
+    let (s, t) = axes.closest();
+    (axes.on_p(s) - axes.on_q(t)).norm_squared() > reach * reach
 }
 
 fn cylinder(part: &Part) -> Option<Solid> {
@@ -47,13 +59,4 @@ fn apart_from(a: &Solid, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
         let lowest = n.dot(&b_to_a.translation) - b_to_a.scale * b.reach_along(&b_to_a.inverse_direction(&-n));
         lowest - n.dot(&a.center) - a.reach_along(n) > gap
     })
-}
-
-/// Core segment and radius of a round part.
-fn segment(part: &PartGeometry) -> Option<([crate::math::Vec3; 2], f64)> {
-    match part {
-        PartGeometry::Sphere { center, radius } => Some(([*center; 2], *radius)),
-        PartGeometry::Spherocylinder { ends, radius } => Some((*ends, *radius)),
-        PartGeometry::Cylinder { .. } | PartGeometry::Polyhedron(_) | PartGeometry::RoundedPolyhedron(_) => None,
-    }
 }

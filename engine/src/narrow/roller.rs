@@ -23,7 +23,7 @@ pub fn part_roller(part: &Part, body_to_wall: &Similarity, roller_radius: f64, o
     } else {
         // features are for rounded polyhedra only, and cost allocations
         let (center, radius) = (Vec3::new(0.0, 0.0, center.z), roller_radius + BEYOND * reach);
-        Part { center, radius, geometry: segment, skeleton: None }
+        Part { center, radius, spine: None, geometry: segment, skeleton: None }
     };
     let first = out.len();
     collide(part, &roller, &body_to_wall.inverse(), &mut PairCache::default(), out);

@@ -14,6 +14,7 @@ mod rounded_mass;
 mod skeleton;
 mod skeleton_topology;
 mod solids;
+mod spine;
 mod surface;
 mod union;
 
@@ -25,6 +26,7 @@ pub use mass::MassProperties;
 pub(crate) use polyhedron::Parallels;
 pub use polyhedron::{Edge, Face, MAX_EDGES, MAX_FACE_VERTICES, Polyhedron};
 pub use skeleton::{MAX_FEATURES, Side, Skeleton, SkeletonEdge, SkeletonFace};
+pub use spine::Spine;
 pub use surface::SurfaceMesh;
 
 #[cfg(test)]
@@ -51,6 +53,8 @@ pub struct Part {
     pub center: Vec3,
     /// Radius of the bounding sphere.
     pub radius: f64,
+    /// A bounding spherocylinder, where the ball is mostly empty.
+    pub spine: Option<Spine>,
     /// The surface.
     pub geometry: PartGeometry,
     /// What meets a rounded polyhedron: the part as a skeleton swept by a ball. `None` if it has too many features, or
@@ -193,7 +197,8 @@ impl Part {
             PartGeometry::RoundedPolyhedron(p) => Some(p.skeleton.clone()),
         };
         // a little more than measured, so that rounding cannot leave a corner outside
-        Self { center, radius: radius * (1.0 + 1e-14), geometry, skeleton: skeleton.map(Box::new) }
+        let radius = radius * (1.0 + 1e-14);
+        Self { center, radius, spine: Spine::of(&geometry, radius), geometry, skeleton: skeleton.map(Box::new) }
     }
 
     fn transformed(&self, rotation: &Mat3, translation: &Vec3) -> Self {

@@ -103,7 +103,7 @@ impl FeatureList {
         let rounding = ROUNDING * (pair.a.reach + reach_b + radius + self.translation.norm());
         let window = WINDOW * (pair.a.reach + pair.a.radius).min(reach_b + pair.b.radius * pair.b_to_a.scale);
         scratch.place(pair);
-        let axis = pair.most_separating(f64::INFINITY);
+        let axis = pair.most_separating();
         // no two features are closer than any axis says
         self.gap = axis.distance - radius - rounding;
         self.window = window.max(axis.distance - radius) - rounding;

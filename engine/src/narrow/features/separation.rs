@@ -39,40 +39,60 @@ impl FeaturePair<'_> {
         lowest_of_b + lowest(self.a.vertices(), &-along)
     }
 
-    /// The best of the line of centres and all face normals, in both senses where faces have no outside. Stops at the
-    /// first that separates by more than `enough`.
-    pub(super) fn most_separating(&self, enough: f64) -> SeparatingAxis {
+    /// The best of the line of centres and all face normals, in both senses where faces have no outside.
+    pub(super) fn most_separating(&self) -> SeparatingAxis {
         let mut best = SeparatingAxis { direction: Vec3::x(), distance: f64::MIN };
         let mut offer = |direction: Vec3| {
             let distance = self.gap(&direction);
             if distance > best.distance {
                 best = SeparatingAxis { direction, distance };
             }
-            best.distance > enough
         };
-        let between = self.b_to_a.point(&self.b.middle) - self.a.middle;
-        if let Some(along) = between.try_normalize(0.0)
-            && offer(along)
-        {
-            return best;
+        if let Some(along) = self.between().try_normalize(0.0) {
+            offer(along);
         }
         for face in self.a.faces() {
-            if offer(face.normal) || (!self.a.is_convex() && offer(-face.normal)) {
-                return best;
+            offer(face.normal);
+            if !self.a.is_convex() {
+                offer(-face.normal);
             }
         }
         for face in self.b.faces() {
             let along = self.b_to_a.direction(&face.normal);
-            if offer(-along) || (!self.b.is_convex() && offer(along)) {
-                return best;
+            offer(-along);
+            if !self.b.is_convex() {
+                offer(along);
             }
         }
         best
     }
 
-    /// Whether the surfaces are provably more than `gap` apart. False means nothing.
+    /// From the middle of `a` to that of `b`.
+    #[inline]
+    fn between(&self) -> Vec3 {
+        self.b_to_a.point(&self.b.middle) - self.a.middle
+    }
+
+    /// Whether the surfaces are provably more than `gap` apart. False means nothing: of the axes only those are asked
+    /// that promise something.
     pub fn apart_by(&self, gap: f64) -> bool {
         let enough = self.radius() + gap;
-        self.most_separating(enough).distance > enough
+        let between = self.between();
+        if between.try_normalize(0.0).is_some_and(|along| self.gap(&along) > enough) {
+            return true;
+        }
+        if !self.a.is_convex() || !self.b.is_convex() {
+            return self.most_separating().distance > enough;
+        }
+        let (to_a, scale) = (self.b_to_a, self.b_to_a.scale);
+        let by_a = self.a.faces().iter().filter(|face| face.normal.dot(&between) > 0.0).any(|face| {
+            let lowest_of_b = scale * lowest(self.b.vertices(), &to_a.inverse_direction(&face.normal));
+            face.normal.dot(&to_a.translation) + lowest_of_b - face.offset > enough
+        });
+        let (seen_from_b, origin_of_a) = (-to_a.inverse_direction(&between), to_a.inverse_point(&Vec3::zeros()));
+        by_a || self.b.faces().iter().filter(|face| face.normal.dot(&seen_from_b) > 0.0).any(|face| {
+            let lowest_of_a = lowest(self.a.vertices(), &to_a.direction(&face.normal)) / scale;
+            scale * (face.normal.dot(&origin_of_a) + lowest_of_a - face.offset) > enough
+        })
     }
 }
