@@ -78,9 +78,6 @@ impl FeaturePair<'_> {
     pub fn apart_by(&self, gap: f64) -> bool {
         let enough = self.radius() + gap;
         let between = self.between();
-        if between.try_normalize(0.0).is_some_and(|along| self.gap(&along) > enough) {
-            return true;
-        }
         if !self.a.is_convex() || !self.b.is_convex() {
             return self.most_separating().distance > enough;
         }

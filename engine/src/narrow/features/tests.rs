@@ -95,7 +95,7 @@ fn distance(pair: &FeaturePair<'_>) -> f64 {
 
 /// Whether all vertices of each lie outside the other by the faces, so that the cores may be apart.
 fn are_apart(pair: &FeaturePair<'_>) -> bool {
-    let by_faces = pair.most_separating(f64::INFINITY).distance;
+    let by_faces = pair.most_separating().distance;
     let by_edges = pair.a.edges().iter().flat_map(|e| pair.b.edges().iter().map(move |f| (e, f))).any(|(e, f)| {
         let cross = e.along.cross(&pair.b_to_a.direction(&f.along));
         let Some(axis) = cross.try_normalize(1e-9) else { return false };
