@@ -1,13 +1,17 @@
 //! Benchmarks: settled beds of fixed parameters, and the cost and quality of a step on them.
 //!
-//! `workload` says what is simulated, `settle` brings it to rest (kept by `cache`), `measure` times it.
+//! `workload` says what is simulated, `settle` brings it to rest (kept by `cache`), `measure` times it, alone or
+//! repeated (`tiles`), and `left_out` what a scene does not use.
 
 mod cache;
 mod given;
+mod left_out;
 mod measure;
 mod settle;
+mod tiles;
 mod workload;
 
+pub use left_out::{LeftOut, left_out};
 pub use measure::{Measurement, NormalLaw, Plan, measure};
 pub use settle::settled;
 pub use workload::{Size, Workload};

@@ -120,7 +120,8 @@ impl Workload {
         f64::from(self.count) * self.volume_m3 / (self.side_m * self.side_m * self.loose_fraction)
     }
 
-    fn scene(&self, softness: Softness) -> SceneText {
+    /// Without particles.
+    pub fn scene(&self, softness: Softness) -> SceneText {
         let time_step = match softness.step_fraction {
             Some(fraction) => format!("time_step_fraction = {fraction:?}"),
             None => format!("time_step_s = {:?}", self.time_step_s),

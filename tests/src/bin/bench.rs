@@ -1,10 +1,15 @@
 //! `bench`: particle-steps per second of the workloads W1 to W4, with the quality of what was computed beside.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
-use sturz_tests::bench::{Measurement, NormalLaw, Plan, Size, Workload, measure, settled};
+use peak_alloc::PeakAlloc;
+use serde::Serialize;
+use sturz_tests::bench::{LeftOut, Measurement, NormalLaw, Plan, Size, Workload, left_out, measure, settled};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
 
 /// Times the engine on settled beds (settled first where no cached bed is found, which takes minutes).
 #[derive(Parser)]
@@ -24,6 +29,12 @@ struct Arguments {
     /// Normal law of the measured run where polyhedra meet; beds are settled with the linear one
     #[arg(long, value_enum, default_value_t)]
     normal: NormalLaw,
+    /// Copies of the bed along x and y: 10 makes 100 beds of one
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    tiles: u32,
+    /// Times what the scene does not use instead: each feature switched off against a scene that never had it
+    #[arg(long)]
+    left_out: bool,
     /// Untimed steps before the first block: the bed comes without friction history, and changes its law
     #[arg(long, default_value_t = 40_000)]
     warm_up: u64,
@@ -45,25 +56,50 @@ fn main() -> anyhow::Result<()> {
         steps: arguments.steps,
         blocks: arguments.blocks.into(),
         normal: arguments.normal,
+        tiles: arguments.tiles,
         warm_up: arguments.warm_up,
     };
+    if arguments.left_out {
+        return time_left_out(&names, size, &plan, arguments.json.as_deref());
+    }
     let mut results = Vec::new();
     print_head();
-    for name in names {
+    for name in &names {
         let workload = Workload::named(name, size)?;
         let bed = settled(&workload, plan.threads, &mut |line| eprintln!("{line}"))?;
-        let result = measure(&workload, &bed, &plan).with_context(|| format!("{name} failed while measured"))?;
+        let allocated: fn() -> usize = || MEMORY.current_usage();
+        let result = measure(&workload, &bed, &plan, Some(allocated))
+            .with_context(|| format!("{name} failed while measured"))?;
         print_row(&result);
         results.push(result);
     }
-    if let Some(path) = &arguments.json {
-        let text = match &results[..] {
-            [only] if arguments.workload != "all" => serde_json::to_string_pretty(only)?,
-            _ => serde_json::to_string_pretty(&results)?,
-        };
-        std::fs::write(path, text + "\n").with_context(|| format!("cannot write {}", path.display()))?;
+    match &results[..] {
+        [only] if arguments.workload != "all" => write(arguments.json.as_deref(), only),
+        _ => write(arguments.json.as_deref(), &results),
     }
-    Ok(())
+}
+
+fn write(path: Option<&Path>, results: &impl Serialize) -> anyhow::Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let text = serde_json::to_string_pretty(results)? + "\n";
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn time_left_out(names: &[&str], size: Size, plan: &Plan, json: Option<&Path>) -> anyhow::Result<()> {
+    let mut results: Vec<LeftOut> = Vec::new();
+    println!("time of a step over that of a scene that never had the feature: median (quartiles)");
+    println!("{:13} {:26} {:>22} {:>22} {:>22}", "workload", "feature", "switched off", "in use", "noise");
+    for name in names {
+        let workload = Workload::named(name, size)?;
+        let bed = settled(&workload, plan.threads, &mut |line| eprintln!("{line}"))?;
+        for row in left_out(&workload, &bed, plan.blocks, plan.steps)? {
+            let cell = |[median, low, high]: [f64; 3]| format!("{median:.3} ({low:.3}..{high:.3})");
+            let cells = [row.off, row.on, row.noise].map(cell);
+            println!("{:13} {:26} {:>22} {:>22} {:>22}", row.workload, row.feature, cells[0], cells[1], cells[2]);
+            results.push(row);
+        }
+    }
+    write(json, &results)
 }
 
 fn print_head() {
@@ -113,5 +149,8 @@ fn print_row(m: &Measurement) {
         "{:17} at start {pairs} pairs, points: {face} vertex-face, {edge} edge-edge, {smooth} others; at the end {:?}",
         "", m.contact_points_by_kind
     );
+    if let Some([particle, contact]) = m.bytes {
+        println!("{:17} {particle:.0} bytes per particle alone, {contact:.0} more per contact point", "");
+    }
     println!("{:17} {}; residual {:.1e} m g size per particle", "", shares.join(", "), m.energy_residual_per_mgd);
 }
