@@ -8,6 +8,8 @@ mod extremes;
 mod glued;
 mod hertz;
 mod impact;
+mod oblique;
+mod oblique_ode;
 mod periodic;
 mod r518;
 mod refusals;
