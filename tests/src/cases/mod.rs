@@ -8,6 +8,7 @@ mod extremes;
 mod glued;
 mod hertz;
 mod impact;
+mod lattice;
 mod oblique;
 mod oblique_ode;
 mod periodic;
@@ -178,6 +179,7 @@ impl Case {
 pub fn registry() -> Vec<Case> {
     [
         shapes::cases(),
+        lattice::cases(),
         rotation::cases(),
         impact::cases(),
         restitution::cases(),
