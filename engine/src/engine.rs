@@ -70,7 +70,7 @@ impl Engine {
             boundaries: scene.boundaries().to_vec(),
             particles,
             neighbours: Neighbours::default(),
-            contacts: ContactTable::default(),
+            contacts: ContactTable { keeps_bonds: scene.plan().bonds, ..ContactTable::default() },
             sums: Sums::default(),
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
@@ -230,6 +230,7 @@ impl Engine {
             sphere_batch: scene.plan().sphere_batch,
             cell: scene.cell(),
             skin_fraction: scene.plan().skin_fraction,
+            bonds: scene.point_laws().filter(|_| scene.plan().bonds),
             time_s,
         };
         let Self { particles, contacts, neighbours, .. } = self;
@@ -241,7 +242,7 @@ impl Engine {
             return particles.update_places(!contacts.spheres.is_empty());
         }
         let kept = std::mem::take(&mut self.kept_springs);
-        let springs = match (scene.plan().history || scene.plan().rolling) && kept.is_empty() {
+        let springs = match (scene.plan().history || scene.plan().rolling || scene.plan().bonds) && kept.is_empty() {
             true => contacts.slot_springs(particles),
             false => Vec::new(),
         };
@@ -264,6 +265,7 @@ impl Engine {
             rounded: self.scene.rounded(),
             sharing: self.scene.description().contact.sharing,
             history: self.scene.plan().history,
+            bonds: self.scene.point_laws().filter(|_| self.scene.plan().bonds),
         };
         contact::find_contacts(&mut self.contacts, &inputs);
         let section = &self.scene.description().contact;

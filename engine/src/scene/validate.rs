@@ -107,7 +107,7 @@ impl Scene {
         let skeletons = shapes.iter().flat_map(Shape::parts).any(Part::is_rounded_polyhedron);
         let boundaries = build_boundaries(&description, &origins, (&cell, skeletons), &mut problems);
         let point_laws = PointLaws::build(&description, &shapes);
-        let plan = Plan::new(&description, &shapes, &pairs, point_laws.is_none());
+        let plan = Plan::new(&description, &shapes, &pairs, point_laws.as_ref());
         let mut scene = Self {
             description,
             shapes,
