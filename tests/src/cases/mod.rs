@@ -14,6 +14,7 @@ mod oblique_ode;
 mod periodic;
 mod r518;
 mod refusals;
+mod relaxation;
 mod remote;
 mod resistance;
 mod restitution;
