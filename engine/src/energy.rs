@@ -44,7 +44,7 @@ impl Ledger {
     pub fn add(&mut self, sums: &Sums, dt: f64) {
         let half = 0.5 * dt;
         let last = &self.last;
-        self.dissipated_normal += half * (last.power_normal + sums.power_normal);
+        self.dissipated_normal += half * (last.power_normal + sums.power_normal) + sums.lost_bonds;
         // Work of tangential forces that is not in a spring is gone, that of a lost contact's spring included.
         self.dissipated_friction += half * (last.power_tangential + sums.power_tangential)
             - (sums.elastic_tangential - last.elastic_tangential);

@@ -38,6 +38,8 @@ pub struct Engine {
     pub(crate) next_id: u64,
     pub(crate) topology_epoch: u64,
     pub(crate) failure: Option<StepError>,
+    /// Before step 0: polyhedra meet by points, whatever their law, which may end before they are apart.
+    pub(crate) relaxing: bool,
     pool: Arc<ThreadPool>,
     timer: Option<Box<dyn StageTimer>>,
 }
@@ -59,7 +61,7 @@ fn pool(threads: usize) -> Arc<ThreadPool> {
 }
 
 impl Engine {
-    /// Starts the scene at step 0, on one thread.
+    /// Starts the scene at step 0, on one thread, after its `[relax]`: if that fails, the first step says so.
     pub fn new(scene: Scene) -> Self {
         let mut particles = Particles::default();
         scene.particles().iter().for_each(|particle| particles.push(particle));
@@ -70,7 +72,7 @@ impl Engine {
             boundaries: scene.boundaries().to_vec(),
             particles,
             neighbours: Neighbours::default(),
-            contacts: ContactTable::default(),
+            contacts: ContactTable { keeps_bonds: scene.plan().bonds, ..ContactTable::default() },
             sums: Sums::default(),
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
@@ -79,10 +81,12 @@ impl Engine {
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
             failure: None,
+            relaxing: false,
             pool: pool(1),
             timer: None,
             scene: Arc::new(scene),
         };
+        engine.failure = engine.in_pool(Self::relax).err();
         engine.in_pool(Self::prepare);
         engine.ledger.initial = engine.mechanical_energy().total();
         engine
@@ -107,6 +111,9 @@ impl Engine {
     /// Does one step. After an error the state is that of the failing step, and every further step is refused.
     pub fn step(&mut self) -> Result<(), StepError> {
         if let Some(failure) = &self.failure {
+            if matches!(failure, StepError::NotRelaxed { .. }) {
+                return Err(failure.clone());
+            }
             return Err(StepError::Stopped { step: self.clock.step(), reason: failure.to_string() });
         }
         let outcome = self.in_pool(Self::step_stages);
@@ -226,10 +233,11 @@ impl Engine {
             shapes: scene.shapes(),
             reaches: &scene.plan().reaches,
             boundaries: &self.boundaries,
-            rounded: scene.rounded().is_some(),
+            rounded: scene.rounded().is_some() && !self.relaxing,
             sphere_batch: scene.plan().sphere_batch,
             cell: scene.cell(),
             skin_fraction: scene.plan().skin_fraction,
+            bonds: scene.point_laws().filter(|_| scene.plan().bonds),
             time_s,
         };
         let Self { particles, contacts, neighbours, .. } = self;
@@ -241,7 +249,7 @@ impl Engine {
             return particles.update_places(!contacts.spheres.is_empty());
         }
         let kept = std::mem::take(&mut self.kept_springs);
-        let springs = match (scene.plan().history || scene.plan().rolling) && kept.is_empty() {
+        let springs = match (scene.plan().history || scene.plan().rolling || scene.plan().bonds) && kept.is_empty() {
             true => contacts.slot_springs(particles),
             false => Vec::new(),
         };
@@ -261,9 +269,10 @@ impl Engine {
             particles: &self.particles,
             shapes: self.scene.shapes(),
             boundaries: &self.boundaries,
-            rounded: self.scene.rounded(),
+            rounded: self.scene.rounded().filter(|_| !self.relaxing),
             sharing: self.scene.description().contact.sharing,
             history: self.scene.plan().history,
+            bonds: self.scene.point_laws().filter(|_| self.scene.plan().bonds),
         };
         contact::find_contacts(&mut self.contacts, &inputs);
         let section = &self.scene.description().contact;
@@ -278,7 +287,7 @@ impl Engine {
         self.ledger.add(&self.sums, self.clock.time_step_s());
     }
 
-    fn evaluate_with(&mut self, stretch_time_s: f64) {
+    pub(crate) fn evaluate_with(&mut self, stretch_time_s: f64) {
         let section = &self.scene.description().contact;
         let inputs = ForceInputs {
             particles: &self.particles,
@@ -287,7 +296,7 @@ impl Engine {
             contact_end: section.contact_end,
             tangential: section.tangential,
             point_laws: self.scene.point_laws(),
-            rounded: self.scene.rounded(),
+            rounded: self.scene.rounded().filter(|_| !self.relaxing),
             stretch_time_s,
         };
         contact::evaluate_forces(&mut self.contacts, &inputs);
@@ -364,7 +373,7 @@ impl Engine {
     }
 
     /// The two sides of a slot, for errors.
-    fn sides(&self, slot: u32) -> (u64, String) {
+    pub(crate) fn sides(&self, slot: u32) -> (u64, String) {
         let particles = &self.particles;
         let slots = &self.contacts.slots;
         if slot as usize >= slots.len() {

@@ -83,6 +83,24 @@ pub enum StepError {
         /// The step.
         step: u64,
     },
+    /// The overlaps of the start are still there after as many iterations as the scene allows.
+    #[error(
+        "after {iterations} iterations of [relax] particle {a} overlaps {b} by {:.1} % {measure} (wanted {:.1} %): raise relax.max_iterations or relax.overlap_ratio, or give the particles more room", overlap * 100.0, limit * 100.0
+    )]
+    NotRelaxed {
+        /// The particle.
+        a: u64,
+        /// What it overlaps: `particle 12` or `boundary "floor"`.
+        b: String,
+        /// Overlap over the measure.
+        overlap: f64,
+        /// What was wanted.
+        limit: f64,
+        /// What the overlap is a part of.
+        measure: &'static str,
+        /// Iterations done.
+        iterations: u64,
+    },
     /// The run failed earlier and must not go on.
     #[error("the run stopped at step {step}: {reason}")]
     Stopped {

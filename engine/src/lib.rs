@@ -7,7 +7,7 @@
 //! | module | purpose |
 //! |---|---|
 //! | [`scene`] | what a user writes, and how it is proved usable |
-//! | [`engine`], `step`, `apply`, `view` | the owner of all state; one step; commands; what may be read |
+//! | [`engine`], `relax`, `step`, `apply`, `view` | the owner of all state; before step 0; one step; commands; what may be read |
 //! | [`shape`], [`narrow`] | shapes with their mass properties; where two of them touch |
 //! | [`broad`], [`contact`] | which pairs may touch; persistent contacts and their laws |
 //! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
@@ -69,6 +69,7 @@ pub mod narrow;
 mod parallel;
 pub mod particles;
 mod random;
+mod relax;
 pub mod report;
 pub mod scene;
 mod servo;

@@ -13,7 +13,7 @@ pub struct EnergyBalance {
     pub potential_j: f64,
     /// In normal and tangential springs.
     pub elastic_j: f64,
-    /// Taken by normal dashpots.
+    /// Taken by normal dashpots, and lost when bonds (cohesion `jkr`) are made and break.
     pub dissipated_normal_j: f64,
     /// Taken by sliding and by tangential dashpots.
     pub dissipated_friction_j: f64,

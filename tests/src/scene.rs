@@ -21,6 +21,12 @@ impl SceneText {
         Self { head, contact: String::new(), rest: String::new() }
     }
 
+    /// The time step, where it was not given at once.
+    pub fn time_step_s(mut self, time_step_s: f64) -> Self {
+        self.head += &format!("time_step_s = {time_step_s:?}\n");
+        self
+    }
+
     /// Lines of `[contact]`.
     pub fn contact(mut self, lines: &str) -> Self {
         self.contact += &format!("{lines}\n");

@@ -11,7 +11,11 @@ use crate::contact::Slot;
 use crate::math::{Quat, Vec3};
 use crate::parallel::least;
 use crate::particles::Particles;
+use crate::scene::PointLaws;
 use crate::shape::{PartGeometry, Shape};
+
+/// Least skin over the widest gap that a bond holds over.
+const BEYOND_BONDS: f64 = 1.01;
 
 /// How far a shape's parts reach, for unit scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +54,8 @@ pub struct NeighbourInputs<'a> {
     pub cell: &'a Cell,
     /// Skin over the harmonic mean of the bounding diameters.
     pub skin_fraction: f64,
+    /// Laws of contacts that hold beyond the touch, where the scene has such.
+    pub bonds: Option<&'a PointLaws>,
     /// Present time, s.
     pub time_s: f64,
 }
@@ -116,6 +122,11 @@ impl Neighbours {
         // large ones must not lengthen the lists of the many small.
         let inverse: f64 = particles.radius.iter().map(|radius| 1.0 / radius).sum();
         self.skin = if n == 0 { 0.0 } else { 2.0 * inputs.skin_fraction * n as f64 / inverse };
+        if let Some(laws) = inputs.bonds {
+            // a list drops the pairs that are farther apart than the skin: no bond may be among them
+            let largest = particles.radius.iter().copied().fold(0.0, f64::max);
+            self.skin = self.skin.max(BEYOND_BONDS * laws.widest_bond(largest));
+        }
         particles.offset.fill(Vec3::zeros());
         self.levels.build(&particles.radius, self.skin, |row| particles.position[row]);
         self.levels.order(&mut self.order);

@@ -61,6 +61,7 @@ impl Cloud {
             rounded: false,
             sphere_batch: true,
             cell: &cell,
+            bonds: None,
             skin_fraction: SKIN_FRACTION,
             time_s: 0.0,
         };

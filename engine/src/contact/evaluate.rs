@@ -49,7 +49,7 @@ pub fn evaluate_forces(table: &mut ContactTable, inputs: &ForceInputs<'_>) {
 
 fn evaluate_chunk(slots: &[Slot], wrenches: &mut [Wrench], chunk: &mut ContactChunk, inputs: &ForceInputs<'_>) {
     wrenches.iter_mut().for_each(|wrench| wrench.points = 0);
-    chunk.sums = Sums::default();
+    chunk.sums = Sums { lost_bonds: chunk.lost_bonds, ..Sums::default() };
     match inputs.point_laws {
         None => evaluate_plain(slots, wrenches, chunk, inputs),
         Some(laws) => evaluate_points(slots, wrenches, chunk, inputs, laws),

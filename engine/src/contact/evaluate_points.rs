@@ -55,10 +55,12 @@ fn linear(slot: &OfSlot<'_>, contact: &Contact) -> PointSpring {
 #[inline(always)]
 fn hertz(slot: &OfSlot<'_>, contact: &Contact) -> PointSpring {
     let (weight, moduli) = (contact.weight, &slot.extras.hertz);
-    let one = moduli.spring(slot.pair.law, slot.radius, contact.overlap, slot.damping_mass);
+    // that of a bond beyond the touch is below 0
+    let overlap = contact.overlap.max(0.0);
+    let one = moduli.spring(slot.pair.law, slot.radius, overlap, slot.damping_mass);
     PointSpring {
         normal: OverlapSpring { force: weight * one.force, energy: weight * one.energy, damping: weight * one.damping },
-        tangential_stiffness: weight * mindlin_stiffness(moduli.shear_modulus, slot.radius, contact.overlap),
+        tangential_stiffness: weight * mindlin_stiffness(moduli.shear_modulus, slot.radius, overlap),
     }
 }
 
@@ -128,13 +130,10 @@ impl<'a> OfSlot<'a> {
             (None, boundary) => boundary.map_or(0, |boundary| boundary.material),
         };
         let extras = laws.extras(particles.material[pair.a], material_b);
-        let round = |row: usize, part: u16| {
-            laws.part_radius[particles.shape[row] as usize][part as usize] * particles.scale[row]
-        };
-        let radius = match pair.b {
-            _ if !laws.reads_radius => 0.0,
-            None => round(pair.a, slot.part_a),
-            Some((b, _)) => 1.0 / (1.0 / round(pair.a, slot.part_a) + 1.0 / round(b, slot.part_b)),
+        let radius = if laws.reads_radius {
+            laws.effective_radius(particles, (pair.a, slot.part_a), pair.b.map(|(b, _)| (b, slot.part_b)))
+        } else {
+            0.0
         };
         let central = 1.0 / particles.mass[pair.a] + pair.b.map_or(0.0, |(b, _)| 1.0 / particles.mass[b]);
         let (inverse, weights) = if laws.damping_mass == DampingMass::Contact {
@@ -208,7 +207,7 @@ impl OfSlot<'_> {
         sums.elastic_normal += spring.normal.energy + part * bond;
         sums.power_normal += normal.dissipated_power;
         let law = self.pair.law;
-        if law.friction > 0.0 {
+        if law.friction > 0.0 && contact.overlap > 0.0 {
             let tangent = |v: Vec3| v - contact.normal * v.dot(&contact.normal);
             let velocity = tangent(motion.relative);
             let mean = motion.mean_relative * inputs.stretch_time_s;

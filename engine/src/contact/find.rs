@@ -2,14 +2,15 @@
 
 use rayon::prelude::*;
 
+use super::bonds::{self, follow_bond};
 use super::law::share_stiffness;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, least_chunks};
 use crate::boundary::{Boundary, WallSide};
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 use crate::mesh::PartAtMesh;
 use crate::narrow::{self, Manifold, PairCache};
 use crate::particles::Particles;
-use crate::scene::{RoundedShapes, Sharing};
+use crate::scene::{PointLaws, RoundedShapes, Sharing};
 use crate::shape::Shape;
 
 /// What the search reads.
@@ -27,6 +28,8 @@ pub struct FindInputs<'a> {
     pub rounded: Option<&'a RoundedShapes>,
     /// Whether springs are carried at all.
     pub history: bool,
+    /// Laws of contacts that hold beyond the touch, where the scene has such.
+    pub bonds: Option<&'a PointLaws>,
 }
 
 /// Fills each chunk's contacts from the present poses.
@@ -39,11 +42,13 @@ pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
 }
 
 fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
-    let ContactChunk { contacts, previous, caches, manifold, overlaps, features, .. } = chunk;
+    let ContactChunk { contacts, previous, caches, manifold, overlaps, features, lost_bonds, .. } = chunk;
     std::mem::swap(contacts, previous);
     contacts.clear();
     features.deepest = (0.0, 0);
+    *lost_bonds = 0.0;
     let mut carried = previous.as_slice();
+    let mut bonded = previous.as_slice();
     if inputs.rounded.is_some() {
         overlaps.begin();
     }
@@ -66,6 +71,12 @@ fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'
         }
         if inputs.history && !carried.is_empty() {
             carried = carry_springs(index, carried, &mut contacts[start..]);
+        }
+        if let Some(laws) = inputs.bonds {
+            let (own, rest) = of_slot(index, bonded);
+            bonded = rest;
+            let mut found = bonds::Found { contacts, manifold, start };
+            *lost_bonds += follow_bond((index, slot), !own.is_empty(), inputs, laws, &mut found);
         }
     }
     if inputs.history && inputs.rounded.is_some() {
@@ -95,6 +106,17 @@ fn part_pair(
     manifold.clear();
     narrow::collide(part_a, part_b, &a_from_b, cache, manifold);
     share_stiffness(manifold.points_mut(), inputs.sharing);
+    push_pair(index, (rotation_a, scale), manifold, contacts);
+}
+
+/// Points of two parts, in the frame and the unit of `a`, as contacts.
+#[inline(always)]
+pub(super) fn push_pair(
+    index: u32,
+    (rotation_a, scale): (&Mat3, f64),
+    manifold: &Manifold,
+    contacts: &mut Vec<Contact>,
+) {
     contacts.extend(manifold.points().iter().map(|point| Contact {
         slot: index,
         feature: point.feature,
@@ -128,12 +150,23 @@ fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Ma
     if !part.is_rounded_polyhedron() {
         share_stiffness(manifold.points_mut(), inputs.sharing);
     }
+    push_wall(index, (boundary, &wall_from_body.translation), manifold, contacts);
+}
+
+/// Points of a part at a boundary, in its frame, as contacts; `centre` is that of the particle there.
+#[inline(always)]
+pub(super) fn push_wall(
+    index: u32,
+    (boundary, centre): (&Boundary, &Vec3),
+    manifold: &Manifold,
+    contacts: &mut Vec<Contact>,
+) {
     contacts.extend(manifold.points().iter().map(|point| Contact {
         slot: index,
         feature: point.feature,
         weight: point.share,
         overlap: point.overlap,
-        arm: boundary.rotation * (point.position - wall_from_body.translation),
+        arm: boundary.rotation * (point.position - centre),
         normal: boundary.rotation * point.normal,
         spring: Vec3::zeros(),
     }));
@@ -142,14 +175,20 @@ fn part_wall(index: u32, slot: &Slot, inputs: &FindInputs<'_>, manifold: &mut Ma
 /// Copies the springs of slot `index` by feature and returns what is left of the previous contacts.
 #[inline]
 fn carry_springs<'a>(index: u32, previous: &'a [Contact], contacts: &mut [Contact]) -> &'a [Contact] {
-    let own_start = previous.iter().position(|old| old.slot >= index).unwrap_or(previous.len());
-    let rest = &previous[own_start..];
-    let own_len = rest.iter().position(|old| old.slot > index).unwrap_or(rest.len());
-    let (own, rest) = rest.split_at(own_len);
+    let (own, rest) = of_slot(index, previous);
     for contact in contacts {
         if let Some(old) = own.iter().find(|old| old.feature == contact.feature) {
             contact.spring = old.spring;
         }
     }
     rest
+}
+
+/// The previous contacts of slot `index`, and those of the slots after it.
+#[inline]
+fn of_slot(index: u32, previous: &[Contact]) -> (&[Contact], &[Contact]) {
+    let own_start = previous.iter().position(|old| old.slot >= index).unwrap_or(previous.len());
+    let rest = &previous[own_start..];
+    let own_len = rest.iter().position(|old| old.slot > index).unwrap_or(rest.len());
+    rest.split_at(own_len)
 }

@@ -61,7 +61,7 @@ impl ContactTable {
     pub fn slot_springs(&self, particles: &Particles) -> Vec<SpringRecord> {
         let mut records: Vec<SpringRecord> = self
             .contacts()
-            .filter(|(_, contact)| contact.spring != Vec3::zeros())
+            .filter(|(_, contact)| self.keeps_bonds || contact.spring != Vec3::zeros())
             .map(|(slot, contact)| {
                 let (a, b, part_a, part_b) = slot_key(&self.slots[slot], particles);
                 SpringRecord { key: (a, b, part_a, part_b, contact.feature), spring: contact.spring }

@@ -1,6 +1,7 @@
 //! Persistent contacts: which pairs may touch, where they do, with what force.
 
 mod body_sharing;
+mod bonds;
 mod carry;
 mod effective_mass;
 mod evaluate;

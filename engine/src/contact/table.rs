@@ -105,6 +105,8 @@ pub struct Sums {
     pub power_normal: f64,
     /// Of tangential forces against the relative motion, W.
     pub power_tangential: f64,
+    /// Energy of bonds made and broken since the last step, J.
+    pub lost_bonds: f64,
     /// Done by boundaries on particles, W.
     pub power_boundaries: f64,
     /// Largest overlap, m.
@@ -157,6 +159,7 @@ impl Sums {
         self.power_normal += other.power_normal;
         self.power_tangential += other.power_tangential;
         self.power_boundaries += other.power_boundaries;
+        self.lost_bonds += other.lost_bonds;
         self.largest_overlap = self.largest_overlap.max(other.largest_overlap);
         if other.largest_ratio > self.largest_ratio {
             self.largest_ratio = other.largest_ratio;
@@ -185,6 +188,8 @@ pub struct ContactChunk {
     pub rolling: Vec<RollingSpring>,
     /// By pairs of features.
     pub features: FeatureChunk,
+    /// Energy of bonds made and broken in this step, J.
+    pub lost_bonds: f64,
     /// Sums of this step.
     pub sums: Sums,
     /// By slot, where there are pairs of parts: may only skip work whose answer it proves.
@@ -204,6 +209,8 @@ pub struct ContactTable {
     pub wrenches: Vec<Wrench>,
     /// Contacts, [`CHUNK`] slots each.
     pub chunks: Vec<ContactChunk>,
+    /// Contacts may hold beyond the touch: that there was one is kept like a spring.
+    pub keeps_bonds: bool,
     /// Scratch of sharing over bodies.
     pub body_points: Vec<BodyPoints>,
     /// Scratch of a rebuild.

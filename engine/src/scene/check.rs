@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::auto_step::{STEPS_PER_CONTACT, contacts_per_body};
 use super::{NormalLaw, Scene};
+use crate::engine::Engine;
 use crate::math::Vec3;
 
 /// Plan, time scales and doubts.
@@ -63,6 +64,12 @@ impl Scene {
                 100.0 * ratio
             ));
         }
+        if let Some(ratio) = self.initial_overlap_ratio().filter(|&ratio| ratio > LARGE_RESTING_OVERLAP) {
+            warnings.push(format!(
+                "particles overlap by up to {:.0} % of their bounding radius at the start and will fly apart: place them apart, or give [relax]",
+                100.0 * ratio
+            ));
+        }
         warnings.extend(self.resolution().and_then(|resolution| resolution.warning()));
         SceneCheck {
             plan: self.plan().lines.clone(),
@@ -73,6 +80,14 @@ impl Scene {
             resting_overlap_ratio: resting,
             warnings,
         }
+    }
+
+    /// Largest overlap at the start over the smaller bounding radius; `None` where it is relaxed.
+    fn initial_overlap_ratio(&self) -> Option<f64> {
+        if self.description().relax.is_some() || self.particles().is_empty() {
+            return None;
+        }
+        Some(Engine::new(self.clone()).sums.largest_ratio)
     }
 
     /// Largest overlap of a particle resting on one point, over its bounding radius; over all shapes and materials

@@ -40,6 +40,9 @@ pub struct SceneDescription {
     /// Particles that are there from the start.
     #[serde(default, rename = "insertion")]
     pub insertions: Vec<InsertionDescription>,
+    /// Takes the overlaps of the start apart; left as they are when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relax: Option<RelaxSection>,
     /// Coarse-grained fields that clients may ask for by name.
     #[serde(default, rename = "field")]
     pub fields: Vec<FieldDefinition>,
@@ -602,6 +605,27 @@ pub struct InsertionDescription {
     /// Sizes relative to the shape.
     #[serde(default)]
     pub scale: ScaleRange,
+}
+
+/// `[relax]`: before step 0 the particles of the scene move apart without inertia, until no overlap is above a limit.
+///
+/// Shapes, sizes and given velocities stay; positions and orientations change. What is left of an overlap d flies apart with
+/// sqrt(k/m) d at most, k and m of the pair. Particles that are inserted later are not relaxed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RelaxSection {
+    /// Largest overlap over the smaller bounding radius that may be left (of polyhedra: the depth of their deepest point).
+    pub overlap_ratio: f64,
+    /// Farthest way of any point in an iteration, over half the thickness of its particle.
+    pub displacement_fraction: f64,
+    /// Iterations after which the run is refused.
+    pub max_iterations: u64,
+}
+
+impl Default for RelaxSection {
+    fn default() -> Self {
+        Self { overlap_ratio: 1e-3, displacement_fraction: 0.05, max_iterations: 20_000 }
+    }
 }
 
 /// `[output]`: defaults of the daemon's streams.

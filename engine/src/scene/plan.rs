@@ -1,6 +1,8 @@
 //! What a scene needs, and what is left out of every step because it does not.
 
-use super::{MaterialPairDescription, NormalLaw, RotationScheme, SceneDescription, Sharing, Tangential, point_laws};
+use super::{
+    MaterialPairDescription, NormalLaw, PointLaws, RotationScheme, SceneDescription, Sharing, Tangential, point_laws,
+};
 use crate::broad::ShapeReach;
 use crate::contact::law::PairTable;
 use crate::shape::Shape;
@@ -18,6 +20,8 @@ pub struct Plan {
     pub sphere_batch: bool,
     /// Rolling and twisting springs are kept.
     pub rolling: bool,
+    /// Contacts may hold beyond the touch.
+    pub bonds: bool,
     /// By shape: orientation is integrated.
     pub rotates: Vec<bool>,
     /// By shape: radius of the thinnest part at unit scale, m.
@@ -32,8 +36,15 @@ pub struct Plan {
 const DEFAULT_SKIN_FRACTION: f64 = 0.08;
 
 impl Plan {
-    /// `sphere_batch`: contacts of spheres follow the plain law.
-    pub(super) fn new(description: &SceneDescription, shapes: &[Shape], pairs: &PairTable, sphere_batch: bool) -> Self {
+    /// `point_laws`: `None` where contacts follow the plain law, which the sphere batch has.
+    pub(super) fn new(
+        description: &SceneDescription,
+        shapes: &[Shape],
+        pairs: &PairTable,
+        point_laws: Option<&PointLaws>,
+    ) -> Self {
+        let sphere_batch = point_laws.is_none();
+        let bonds = point_laws.is_some_and(PointLaws::has_bonds);
         let reaches: Vec<ShapeReach> = shapes.iter().map(ShapeReach::of).collect();
         let half_thickness = shapes.iter().map(Shape::half_thickness).collect();
         let history = matches!(description.contact.tangential, Tangential::CoulombHistory | Tangential::Mindlin)
@@ -53,21 +64,9 @@ impl Plan {
             } else {
                 "contact geometry: separating-axis test and clipping for polyhedra, analytic for round parts".into()
             },
-            match description.contact.sharing {
-                Sharing::PerPoint => "sharing of points: per_point".into(),
-                Sharing::ModelB => "sharing of points: model_b".to_string(),
-                Sharing::ModelA => "sharing of points: model_a".to_string(),
-                Sharing::MaxOverlapShared => "sharing of points: max_overlap_shared".to_string(),
-            },
+            sharing(description.contact.sharing).into(),
             normal_law(description),
-            match description.contact.tangential {
-                Tangential::Mindlin if history => "friction: Mindlin without slip, with history per contact".into(),
-                Tangential::Viscous if pairs.any_friction() => {
-                    "friction: viscous; no tangential history is kept".into()
-                }
-                _ if history => "friction: Coulomb with history per contact feature".into(),
-                _ => "friction: none; no tangential history is kept".into(),
-            },
+            friction(description.contact.tangential, history, pairs),
         ];
         lines.extend(point_laws::plan_lines(description));
         lines.push(if all_spheres {
@@ -88,7 +87,37 @@ impl Plan {
             n => format!("boundaries: {n}"),
         });
         lines.push("fields: computed only while somebody subscribes or asks".into());
-        Self { lines, history, rolling, all_spheres, sphere_batch, rotates, half_thickness, reaches, skin_fraction }
+        Self {
+            lines,
+            history,
+            rolling,
+            bonds,
+            all_spheres,
+            sphere_batch,
+            rotates,
+            half_thickness,
+            reaches,
+            skin_fraction,
+        }
+    }
+}
+
+fn sharing(sharing: Sharing) -> &'static str {
+    match sharing {
+        Sharing::PerPoint => "sharing of points: per_point",
+        Sharing::ModelB => "sharing of points: model_b",
+        Sharing::ModelA => "sharing of points: model_a",
+        Sharing::MaxOverlapShared => "sharing of points: max_overlap_shared",
+    }
+}
+
+/// The tangential law in words.
+fn friction(law: Tangential, history: bool, pairs: &PairTable) -> String {
+    match law {
+        Tangential::Mindlin if history => "friction: Mindlin without slip, with history per contact".into(),
+        Tangential::Viscous if pairs.any_friction() => "friction: viscous; no tangential history is kept".into(),
+        _ if history => "friction: Coulomb with history per contact feature".into(),
+        _ => "friction: none; no tangential history is kept".into(),
     }
 }
 

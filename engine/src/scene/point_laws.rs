@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{BoundaryGeometry, MaterialPairDescription, NormalLaw, SceneDescription, Sharing, Tangential};
 use crate::contact::law::{CohesionLaw, Elastic, HertzPair, PairLaw, RollingLaw};
 use crate::error::InvalidInput;
+use crate::particles::Particles;
 use crate::shape::{Part, PartGeometry, Shape};
 
 /// Mass that the damping is calibrated for, where it is given as restitution.
@@ -43,6 +44,11 @@ pub enum CohesionDescription {
     Sjkr {
         /// Energy density.
         energy_density_j_per_m3: f64,
+    },
+    /// Johnson, Kendall and Roberts, with `normal = "hertz"`: made at the touch, held beyond it until it breaks.
+    Jkr {
+        /// Twice the surface energy of equal materials.
+        work_of_adhesion_j_per_m2: f64,
     },
 }
 
@@ -151,12 +157,36 @@ impl PointLaws {
         &self.pairs[a as usize * self.materials + b as usize]
     }
 
+    /// R, 1/R = 1/r_a + 1/r_b, of two parts (row, part), or of one at a boundary, m.
+    #[inline(always)]
+    pub(crate) fn effective_radius(&self, particles: &Particles, a: (usize, u16), b: Option<(usize, u16)>) -> f64 {
+        let round = |(row, part): (usize, u16)| {
+            self.part_radius[particles.shape[row] as usize][part as usize] * particles.scale[row]
+        };
+        b.map_or_else(|| round(a), |b| 1.0 / (1.0 / round(a) + 1.0 / round(b)))
+    }
+
+    /// Whether contacts may hold beyond the touch.
+    pub fn has_bonds(&self) -> bool {
+        self.pairs.iter().any(|pair| pair.cohesion.bond(1.0).is_some())
+    }
+
+    /// Widest gap that a bond holds over, between parts of effective radii up to `radius` (m), m.
+    pub(crate) fn widest_bond(&self, radius: f64) -> f64 {
+        let gaps = self.pairs.iter().filter_map(|pair| Some(-pair.cohesion.bond(radius)?.overlap_at_breaking()));
+        gaps.fold(0.0, f64::max)
+    }
+
     /// Normal stiffness of one point, N/m: with Hertz the one at the reference overlap.
     #[inline]
     pub fn reference_stiffness(&self, law: &PairLaw, extras: &PairExtras, radius: f64) -> f64 {
         match self.normal {
             PointNormal::Linear => law.stiffness,
-            PointNormal::Hertz => extras.hertz.stiffness_at(self.reference_fraction, radius),
+            PointNormal::Hertz => {
+                let hertz = extras.hertz.stiffness_at(self.reference_fraction, radius);
+                let held = extras.cohesion.bond(radius);
+                held.map_or(hertz, |bond| hertz.max(bond.stiffness_at(self.reference_fraction * radius)))
+            }
         }
     }
 }
@@ -176,8 +206,9 @@ fn pair_extras(pair: &MaterialPairDescription, description: &SceneDescription, o
         let youngs_modulus_pa = material.youngs_modulus_pa?;
         Some(Elastic { youngs_modulus_pa, poissons_ratio: material.poissons_ratio.unwrap_or(0.0) })
     });
+    let hertz = HertzPair::of(elastic);
     PairExtras {
-        hertz: HertzPair::of(elastic),
+        hertz,
         tangential_damping: pair.tangential_damping_n_s_per_m,
         rolling: RollingLaw {
             rolling: pair.rolling_friction,
@@ -188,6 +219,11 @@ fn pair_extras(pair: &MaterialPairDescription, description: &SceneDescription, o
             None => CohesionLaw::None,
             Some(CohesionDescription::Constant { force_n }) => CohesionLaw::Constant(force_n),
             Some(CohesionDescription::Sjkr { energy_density_j_per_m3 }) => CohesionLaw::Sjkr(energy_density_j_per_m3),
+            // without adhesion it is Hertz
+            Some(CohesionDescription::Jkr { work_of_adhesion_j_per_m2: 0.0 }) => CohesionLaw::None,
+            Some(CohesionDescription::Jkr { work_of_adhesion_j_per_m2 }) => {
+                CohesionLaw::Jkr { work_of_adhesion: work_of_adhesion_j_per_m2, modulus: hertz.modulus }
+            }
         },
     }
 }
@@ -271,6 +307,9 @@ fn check_pair(
         Some(CohesionDescription::Sjkr { energy_density_j_per_m3 }) => {
             not_negative("cohesion.energy_density_j_per_m3", energy_density_j_per_m3);
         }
+        Some(CohesionDescription::Jkr { work_of_adhesion_j_per_m2 }) => {
+            not_negative("cohesion.work_of_adhesion_j_per_m2", work_of_adhesion_j_per_m2);
+        }
     }
     let contact = &description.contact;
     let mut refuse = |key: &str, problem: &str| errors.push(InvalidInput::new(format!("{path}.{key}"), problem));
@@ -287,6 +326,9 @@ fn check_pair(
         );
     }
     let hertz = description.normal_law() == NormalLaw::Hertz;
+    if matches!(pair.cohesion, Some(CohesionDescription::Jkr { .. })) && !hertz {
+        refuse("cohesion", "jkr stands on Hertz's contact: give normal = \"hertz\", or sjkr with a linear law");
+    }
     match pair.stiffness_n_per_m {
         Some(_) if hertz => {
             refuse("stiffness_n_per_m", "is not read by hertz: give youngs_modulus_pa of the materials")
@@ -309,6 +351,9 @@ pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> 
         NormalLaw::Volume => return check_boundaries_of_volume(description),
         _ => return Vec::new(),
     }
+    if description.material_pairs.iter().any(|pair| matches!(pair.cohesion, Some(CohesionDescription::Jkr { .. }))) {
+        return check_bonds(description, shapes);
+    }
     let flat = |part: &Part| match part.geometry {
         PartGeometry::Polyhedron(_) => Some("polyhedron"),
         PartGeometry::Cylinder { .. } => Some("cylinder"),
@@ -320,6 +365,22 @@ pub(super) fn check_shapes(description: &SceneDescription, shapes: &[Shape]) -> 
         InvalidInput::new(format!("shape[{k}].geometry"), problem)
     })
     .collect()
+}
+
+/// Bonds are for balls and for boundaries without edges.
+fn check_bonds(description: &SceneDescription, shapes: &[Shape]) -> Vec<InvalidInput> {
+    let mut errors = Vec::new();
+    let other = |part: &Part| !matches!(part.geometry, PartGeometry::Sphere { .. });
+    for (k, _) in shapes.iter().enumerate().filter(|(_, shape)| shape.parts().iter().any(other)) {
+        let problem = "is no sphere or composite of spheres; cohesion jkr is for these";
+        errors.push(InvalidInput::new(format!("shape[{k}].geometry"), problem));
+    }
+    let mesh = |geometry: &BoundaryGeometry| matches!(geometry, BoundaryGeometry::Mesh { .. });
+    for (k, _) in description.boundaries.iter().enumerate().filter(|(_, boundary)| mesh(&boundary.geometry)) {
+        let problem = "is a mesh; cohesion jkr knows planes, boxes and cylinders";
+        errors.push(InvalidInput::new(format!("boundary[{k}].geometry"), problem));
+    }
+    errors
 }
 
 fn check_boundaries_of_volume(description: &SceneDescription) -> Vec<InvalidInput> {
@@ -353,7 +414,11 @@ pub(super) fn plan_lines(description: &SceneDescription) -> Vec<String> {
     if any(|pair| pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0) {
         lines.push("rolling and twisting resistance: spring, dashpot and limit, with history per pair of parts".into());
     }
-    if any(|pair| pair.cohesion.is_some()) {
+    let is_jkr = |pair: &MaterialPairDescription| matches!(pair.cohesion, Some(CohesionDescription::Jkr { .. }));
+    if description.material_pairs.iter().any(is_jkr) {
+        lines.push("cohesion: jkr; contacts hold beyond the touch, within the neighbour skin".into());
+    }
+    if any(|pair| pair.cohesion.is_some_and(|law| !matches!(law, CohesionDescription::Jkr { .. }))) {
         lines.push("cohesion: between parts that touch".into());
     }
     if description.integrator.local_damping > 0.0 {

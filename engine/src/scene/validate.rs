@@ -12,7 +12,7 @@ use crate::insertion::{self, Surroundings};
 use crate::integrate::critical_step::{Body, ContactBounds, contact_bounds, rounded_critical_step};
 use crate::integrate::point_bounds;
 use crate::particles::NewParticle;
-use crate::scene::auto_step::chosen_time_step;
+use crate::scene::auto_step::{chosen_time_step, contacts_per_body};
 use crate::shape::{MAX_FEATURES, Part, PartGeometry, Shape};
 
 /// A scene that has been proved usable.
@@ -107,7 +107,7 @@ impl Scene {
         let skeletons = shapes.iter().flat_map(Shape::parts).any(Part::is_rounded_polyhedron);
         let boundaries = build_boundaries(&description, &origins, (&cell, skeletons), &mut problems);
         let point_laws = PointLaws::build(&description, &shapes);
-        let plan = Plan::new(&description, &shapes, &pairs, point_laws.is_none());
+        let plan = Plan::new(&description, &shapes, &pairs, point_laws.as_ref());
         let mut scene = Self {
             description,
             shapes,
@@ -237,6 +237,27 @@ impl Scene {
             }
         }
         smallest
+    }
+
+    /// By particle: t^2 of the way F t^2/m that takes a contact with its like apart without overshooting, where as many
+    /// contacts act on a body as the law may have, s2.
+    pub(crate) fn relaxation_times_squared(&self) -> Vec<f64> {
+        // a step of t_critical/sqrt(2) along the force closes a single contact at once
+        let share = 0.5 / contacts_per_body(self.description.normal_law());
+        let mut last: Option<(f64, (u32, u32, f64))> = None;
+        let of_particle = |particle: &NewParticle| {
+            let class = (particle.shape, particle.material, particle.scale);
+            match last {
+                Some((time2, seen)) if seen == class => time2,
+                _ => {
+                    let bounds = self.contact_bounds(std::slice::from_ref(particle));
+                    let time2 = bounds.map_or(0.0, |bounds| share * bounds.critical_time_step_s.powi(2));
+                    last = Some((time2, class));
+                    time2
+                }
+            }
+        };
+        self.particles.iter().map(of_particle).collect()
     }
 
     fn body(&self, shape: usize, mass: f64, scale: f64) -> Body {
@@ -391,6 +412,7 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
     if let Some(skin) = contact.skin_fraction {
         problems.in_range("contact.skin_fraction", skin, "in (0, 2]", skin > 0.0 && skin <= 2.0);
     }
+    check_relax(description, problems);
     for (k, material) in description.materials.iter().enumerate() {
         if let Some(density) = material.density_kg_per_m3 {
             let path = format!("material[{k}].density_kg_per_m3");
@@ -408,6 +430,16 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
     }
     for (k, field) in description.fields.iter().enumerate() {
         problems.keep(field.validate(&format!("field[{k}]")));
+    }
+}
+
+fn check_relax(description: &SceneDescription, problems: &mut Problems) {
+    let Some(relax) = &description.relax else { return };
+    let (overlap, way) = (relax.overlap_ratio, relax.displacement_fraction);
+    problems.in_range("relax.overlap_ratio", overlap, "in (0, 1]", overlap > 0.0 && overlap <= 1.0);
+    problems.in_range("relax.displacement_fraction", way, "in (0, 0.5]", way > 0.0 && way <= 0.5);
+    if relax.max_iterations == 0 {
+        problems.add("relax.max_iterations", "is 0; must be at least 1");
     }
 }
 

@@ -6,7 +6,7 @@ use super::hull::{convex_hull, topology_error};
 use super::mass::Moments;
 use super::polyhedron::Polyhedron;
 use super::rounded_build::{check_mass_properties, given_mass, rounded_polyhedron};
-use super::union::{OrientedBox, aligned_boxes, lattice};
+use super::union::{HALVINGS, OrientedBox, aligned_boxes, lattice};
 use super::{Part, PartGeometry, solids};
 use crate::math::{Mat3, Quat, Similarity, Vec3};
 use crate::narrow::{Manifold, PairCache, collide};
@@ -23,10 +23,10 @@ pub(crate) struct Assembly {
     pub relative_error: f64,
 }
 
-pub(crate) fn assemble(description: &ShapeDescription) -> Result<Assembly, ShapeError> {
+/// The parts in the given frame, and those of them that are boxes.
+pub(crate) fn placed_parts(description: &ShapeDescription) -> Result<(Vec<Part>, Vec<OrientedBox>), ShapeError> {
     let mut parts: Vec<Part> = Vec::new();
     let mut boxes = Vec::new();
-    let given = given_mass(description)?;
     for (p, path) in part_list(description)? {
         let (rotation, position) = pose(&p, &path)?;
         let field = if path.is_empty() { String::new() } else { format!("{path}.shape.") };
@@ -38,6 +38,12 @@ pub(crate) fn assemble(description: &ShapeDescription) -> Result<Assembly, Shape
             boxes.push(OrientedBox { half: solid.vertices()[7], center: position, rotation });
         }
     }
+    Ok((parts, boxes))
+}
+
+pub(crate) fn assemble(description: &ShapeDescription) -> Result<Assembly, ShapeError> {
+    let given = given_mass(description)?;
+    let (parts, boxes) = placed_parts(description)?;
     if let Some(moments) = given {
         return Ok(Assembly { parts, moments, relative_error: 0.0 });
     }
@@ -54,7 +60,7 @@ pub(crate) fn assemble(description: &ShapeDescription) -> Result<Assembly, Shape
     {
         return Ok(Assembly { parts, moments, relative_error: 0.0 });
     }
-    let (moments, relative_error) = lattice(&parts);
+    let (moments, relative_error) = lattice(&parts, HALVINGS);
     Ok(Assembly { parts, moments, relative_error })
 }
 

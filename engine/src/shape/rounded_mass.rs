@@ -108,7 +108,7 @@ fn corner(p: &Polyhedron, vertex: usize, r: f64) -> Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::union::lattice;
+    use crate::shape::union::{HALVINGS, lattice};
     use crate::shape::{PartGeometry, Shape, ShapeDescription};
     use std::f64::consts::PI;
 
@@ -148,7 +148,7 @@ mod tests {
         let points = vec![[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 0.9, 0.1], [0.3, 0.2, 0.7]];
         let shape = rounded(points, 0.15);
         let PartGeometry::RoundedPolyhedron(_) = shape.parts()[0].geometry else { panic!("not rounded") };
-        let (moments, error) = lattice(shape.parts());
+        let (moments, error) = lattice(shape.parts(), HALVINGS);
         let properties = shape.mass_properties();
         assert!((moments.volume / properties.volume - 1.0).abs() < error.max(1e-4), "{error}");
         let inertia = Mat3::identity() * moments.second.trace() - moments.second;

@@ -53,16 +53,16 @@ pub(crate) fn aligned_boxes(boxes: &[OrientedBox]) -> Option<Moments> {
 
 /// Cells along the side of the lattice before refinement, and how often cells at the surface are halved.
 const COARSE: usize = 16;
-const HALVINGS: u32 = 5;
+pub(crate) const HALVINGS: u32 = 5;
 
 /// Moments of any union of parts, and an estimate of their relative error.
 ///
-/// Cells that are wholly inside or outside of every part are summed exactly; those at the surface are halved down
-/// to 1/512 of the side, and then filled in proportion to the depth of their middle (exact for a face along the
+/// Cells that are wholly inside or outside of every part are summed exactly; those at the surface are halved, with
+/// [`HALVINGS`] down to 1/512 of the side, and then filled in proportion to the depth of their middle (exact for a face along the
 /// lattice; in or out alone would err by up to half a layer of cells there). Stated as the error: the larger of
 /// twice the change by the last halving (volume and trace of the second moment) and the random-walk estimate, the
 /// square root of the number of cells at the surface times their volume. An estimate, tested on known unions.
-pub(crate) fn lattice(parts: &[Part]) -> (Moments, f64) {
+pub(crate) fn lattice(parts: &[Part], halvings: u32) -> (Moments, f64) {
     let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
     for p in parts {
         low = low.inf(&(p.center - Vec3::repeat(p.radius)));
@@ -76,11 +76,11 @@ pub(crate) fn lattice(parts: &[Part]) -> (Moments, f64) {
         for j in 0..=COARSE {
             for k in 0..=COARSE {
                 let middle = low + (Vec3::new(i as f64, j as f64, k as f64) + Vec3::repeat(0.5)) * cell;
-                refine(parts, &middle, cell, HALVINGS, &mut sums);
+                refine(parts, &middle, cell, halvings, &mut sums);
             }
         }
     }
-    let finest = cell / f64::from(1 << HALVINGS);
+    let finest = cell / f64::from(1 << halvings);
     let walk = (sums.partial as f64).sqrt() * finest.powi(3) / sums.fine.volume;
     let change = |a: f64, b: f64| 2.0 * (a - b).abs() / a;
     let volume = change(sums.fine.volume, sums.coarse.volume);

@@ -1,8 +1,8 @@
-//! Impacts of spheres under the linear law: I4, I6, I7 (sliding and sticking), WP2 (error of restitution over dt).
+//! Impacts of spheres under the linear law: I4, I6, I7 (sliding and sticking), WP2 and WP3 (error over dt).
 
 use std::f64::consts::PI;
 
-use super::{Case, Checks};
+use super::{Case, Checks, oblique};
 use crate::scene::{SceneText, snapshot};
 
 pub fn cases() -> Vec<Case> {
@@ -11,6 +11,11 @@ pub fn cases() -> Vec<Case> {
         Case::fast("I6", "spinning sphere on a wall: sliding", spinning_on_wall),
         Case::fast("I7", "two spinning spheres: sliding, and surfaces that do not slip", spinning_pair),
         Case::fast("WP2", "normal impact: error of restitution against time step", restitution_work_precision),
+        Case::fast(
+            "WP3",
+            "oblique impact: error of e_t and spin against time step, by law of friction",
+            oblique::work_precision,
+        ),
     ]
 }
 

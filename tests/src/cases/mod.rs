@@ -8,9 +8,13 @@ mod extremes;
 mod glued;
 mod hertz;
 mod impact;
+mod lattice;
+mod oblique;
+mod oblique_ode;
 mod periodic;
 mod r518;
 mod refusals;
+mod relaxation;
 mod remote;
 mod resistance;
 mod restitution;
@@ -176,6 +180,7 @@ impl Case {
 pub fn registry() -> Vec<Case> {
     [
         shapes::cases(),
+        lattice::cases(),
         rotation::cases(),
         impact::cases(),
         restitution::cases(),

@@ -18,9 +18,9 @@ const SPIN: [f64; 3] = [1e-3, 1.0, 1e-3];
 /// Half a body with I = (1, 2, 3) must be flat: a thin plate has it to (thickness / size)^2.
 const PLATE: &str = "kind = \"box\", size_m = [4.898979485566356, 3.4641016151377544, 1e-3]";
 
-type Quaternion = [f64; 4];
+pub(super) type Quaternion = [f64; 4];
 
-fn product(p: Quaternion, q: Quaternion) -> Quaternion {
+pub(super) fn product(p: Quaternion, q: Quaternion) -> Quaternion {
     [
         p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
         p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
@@ -29,12 +29,12 @@ fn product(p: Quaternion, q: Quaternion) -> Quaternion {
     ]
 }
 
-fn conjugate(q: Quaternion) -> Quaternion {
+pub(super) fn conjugate(q: Quaternion) -> Quaternion {
     [q[0], -q[1], -q[2], -q[3]]
 }
 
 /// A vector in the frame that `q` turns into the world.
-fn into_body(q: Quaternion, v: [f64; 3]) -> [f64; 3] {
+pub(super) fn into_body(q: Quaternion, v: [f64; 3]) -> [f64; 3] {
     let r = product(product(conjugate(q), [0.0, v[0], v[1], v[2]]), q);
     [r[1], r[2], r[3]]
 }

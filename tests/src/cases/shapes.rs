@@ -35,7 +35,7 @@ fn polyhedron(shape: &Shape) -> anyhow::Result<&Polyhedron> {
 }
 
 /// Integral of a polynomial of degree up to 5 over [a, b], exactly (Gauss, three points).
-fn integral(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn integral(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     let offset = half * 0.6f64.sqrt();
     half / 9.0 * (5.0 * f(middle - offset) + 8.0 * f(middle) + 5.0 * f(middle + offset))

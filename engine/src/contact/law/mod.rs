@@ -3,6 +3,7 @@
 mod cohesion;
 mod generalized_overlap;
 mod hertz;
+mod jkr;
 mod linear;
 mod material;
 mod mindlin;
@@ -15,6 +16,7 @@ mod viscous;
 pub use cohesion::CohesionLaw;
 pub use generalized_overlap::{Exponent, OverlapLaw, OverlapSpring, rocking_force};
 pub use hertz::{Elastic, HertzPair};
+pub use jkr::Jkr;
 pub use linear::{NormalForce, normal_force};
 pub use material::{PairLaw, PairTable};
 pub use mindlin::{mindlin, mindlin_stiffness};
