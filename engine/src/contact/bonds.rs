@@ -58,7 +58,8 @@ fn hold(index: u32, slot: &Slot, inputs: &FindInputs<'_>, gap: f64, found: &mut 
     let part = &inputs.shapes[particles.shape[a] as usize].parts()[slot.part_a as usize];
     let PartGeometry::Sphere { center, radius } = part.geometry else { unreachable!("validation takes balls only") };
     let radius = radius + gap / scale;
-    let larger = Part { center, radius, geometry: PartGeometry::Sphere { center, radius }, skeleton: None };
+    let larger =
+        Part { center, radius, spine: None, geometry: PartGeometry::Sphere { center, radius }, skeleton: None };
     found.manifold.clear();
     if slot.kind.is_wall() {
         let boundary = WallSide::of(inputs.boundaries, slot.b).boundary;

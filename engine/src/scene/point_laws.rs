@@ -52,6 +52,16 @@ pub enum CohesionDescription {
     },
 }
 
+impl CohesionDescription {
+    /// What attracts nothing costs nothing: it is left out as if it had not been named.
+    fn attracts(&self) -> bool {
+        let (Self::Constant { force_n: strength }
+        | Self::Sjkr { energy_density_j_per_m3: strength }
+        | Self::Jkr { work_of_adhesion_j_per_m2: strength }) = self;
+        *strength != 0.0
+    }
+}
+
 /// `[contact.hertz]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -196,8 +206,12 @@ fn is_ball(shape: &Shape) -> bool {
     matches!(shape.parts(), [Part { geometry: PartGeometry::Sphere { .. }, .. }])
 }
 
+fn cohesion_of(pair: &MaterialPairDescription) -> Option<CohesionDescription> {
+    pair.cohesion.filter(CohesionDescription::attracts)
+}
+
 fn has_extras(pair: &MaterialPairDescription) -> bool {
-    pair.cohesion.is_some() || pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0
+    cohesion_of(pair).is_some() || pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0
 }
 
 fn pair_extras(pair: &MaterialPairDescription, description: &SceneDescription, of: [usize; 2]) -> PairExtras {
@@ -215,12 +229,10 @@ fn pair_extras(pair: &MaterialPairDescription, description: &SceneDescription, o
             twisting: pair.twisting_friction,
             damping_ratio: pair.rolling_damping_ratio,
         },
-        cohesion: match pair.cohesion {
+        cohesion: match cohesion_of(pair) {
             None => CohesionLaw::None,
             Some(CohesionDescription::Constant { force_n }) => CohesionLaw::Constant(force_n),
             Some(CohesionDescription::Sjkr { energy_density_j_per_m3 }) => CohesionLaw::Sjkr(energy_density_j_per_m3),
-            // without adhesion it is Hertz
-            Some(CohesionDescription::Jkr { work_of_adhesion_j_per_m2: 0.0 }) => CohesionLaw::None,
             Some(CohesionDescription::Jkr { work_of_adhesion_j_per_m2 }) => {
                 CohesionLaw::Jkr { work_of_adhesion: work_of_adhesion_j_per_m2, modulus: hertz.modulus }
             }
@@ -414,11 +426,11 @@ pub(super) fn plan_lines(description: &SceneDescription) -> Vec<String> {
     if any(|pair| pair.rolling_friction > 0.0 || pair.twisting_friction > 0.0) {
         lines.push("rolling and twisting resistance: spring, dashpot and limit, with history per pair of parts".into());
     }
-    let is_jkr = |pair: &MaterialPairDescription| matches!(pair.cohesion, Some(CohesionDescription::Jkr { .. }));
+    let is_jkr = |pair: &MaterialPairDescription| matches!(cohesion_of(pair), Some(CohesionDescription::Jkr { .. }));
     if description.material_pairs.iter().any(is_jkr) {
         lines.push("cohesion: jkr; contacts hold beyond the touch, within the neighbour skin".into());
     }
-    if any(|pair| pair.cohesion.is_some_and(|law| !matches!(law, CohesionDescription::Jkr { .. }))) {
+    if any(|pair| cohesion_of(pair).is_some_and(|law| !matches!(law, CohesionDescription::Jkr { .. }))) {
         lines.push("cohesion: between parts that touch".into());
     }
     if description.integrator.local_damping > 0.0 {

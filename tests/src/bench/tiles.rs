@@ -28,7 +28,7 @@ pub fn start_apart(workload: &Workload, bed: &Bed, softness: Softness, contact: 
     const STRETCH: f64 = 4.0;
     let scene = Workload { side_m: workload.side_m * STRETCH, ..workload.clone() }.scene(softness);
     let mut description = SceneDescription::from_toml(&scene.contact(contact).text())?;
-    let lift = [1.0, 1.0, 1.0].map(|margin: f64| margin * workload.size_m);
+    let lift = [workload.size_m; 3];
     description.insertions =
         insertions(bed, |position| vec![[0, 1, 2].map(|axis| position[axis] * STRETCH + lift[axis])]);
     Ok(Engine::new(Scene::validate(description)?))
@@ -63,7 +63,7 @@ mod tests {
 
     /// A pair that overlaps by `overlap` sizes across x = 2, on a floor.
     fn pair() -> (Workload, Bed) {
-        let workload = Workload::named("W1", super::super::Size::Full).unwrap();
+        let workload = Workload { scale: [1.0; 2], ..Workload::named("W1", super::super::Size::Full).unwrap() };
         let d = workload.size_m;
         let bed = Bed {
             positions: vec![[0.5 * d, d, 0.499 * d], [1.499 * d, d, 0.499 * d]],
