@@ -12,6 +12,9 @@
 //!   points, whose segments are d apart. Edge pairs whose arcs cannot cross on the Gauss map after so small a turn are
 //!   left out as well.
 //!
+//! Of pairs with a cylinder it keeps the gap, or that they touched and how deep: then mu tells how far they can have come
+//! apart, and features that are farther from each other than that and than the depth need not be looked at.
+//!
 //! The active features go through the arithmetic of the full test in its order, so the answer is the same to the bit
 //! (PHYSICS.md A.1; the tests drop caches at random).
 
@@ -38,6 +41,8 @@ enum Knowledge {
     Nothing,
     /// The parts were `separation` apart.
     Separated,
+    /// Parts of other kinds touched, `-separation` deep.
+    Touching,
     /// The features listed decide.
     Active,
     /// Too many features for a list: all are tested.
@@ -91,14 +96,34 @@ impl PairCache {
         self.knowledge == Knowledge::Separated && self.motion(b_to_a) * (1.0 + SLACK) < self.separation * (1.0 - SLACK)
     }
 
-    /// Remembers a gap that a full test has found, in the unit of `a`.
-    pub(super) fn learn_gap(&mut self, gap: f64, (a, b): (&Part, &Part), b_to_a: &Similarity) {
+    /// How far parts of any kind can be apart, in the unit of `a`: parts that touched were so deep in each other that they
+    /// cannot have come apart by more than what their motion since leaves of it. Infinite where nothing is known.
+    pub(super) fn apart_at_most(&self, b_to_a: &Similarity) -> f64 {
+        if self.knowledge != Knowledge::Touching {
+            return f64::INFINITY;
+        }
+        (self.motion(b_to_a) * (1.0 + SLACK) + self.separation).max(0.0)
+    }
+
+    /// Remembers what a full test has found of parts of any kind: a gap, or minus the depth of parts that touch, in the unit
+    /// of `a`.
+    pub(super) fn learn(&mut self, separation: f64, (a, b): (&Part, &Part), b_to_a: &Similarity) {
+        // as long as what is known proves that they touch there is nothing to be gained
+        if separation < 0.0 && self.apart_at_most(b_to_a) == 0.0 {
+            return;
+        }
         let reach = |part: &Part| part.center.norm() + part.radius;
         self.rotation = b_to_a.rotation;
         self.translation = b_to_a.translation;
         self.reach = (reach(b) * b_to_a.scale).max(reach(a) + self.translation.norm());
-        self.separation = gap - SLACK * self.reach;
-        self.knowledge = Knowledge::Separated;
+        let slack = SLACK * self.reach;
+        if separation < 0.0 {
+            self.separation = (separation + slack).min(0.0);
+            self.knowledge = Knowledge::Touching;
+        } else {
+            self.separation = separation - slack;
+            self.knowledge = Knowledge::Separated;
+        }
     }
 
     /// The deepest axis, or `None` if some axis separates the parts: that of the full test, to the bit.

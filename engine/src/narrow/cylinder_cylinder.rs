@@ -15,16 +15,19 @@ use crate::math::{Similarity, Vec3};
 
 /// Any other direction must beat those of the caps by this, over the size of the pair.
 const FACE_PREFERENCE: f64 = 1e-12;
+/// Slack of distances that are compared to leave features out, over the size of the pair: far above rounding.
+const SLACK: f64 = 1e-9;
 /// Sine of the angle between the axes below which they are parallel to rounding.
 const PARALLEL: f64 = 1e-14;
 
-/// The points of a contact with a cap or along the sides, or a single one. If the parts are apart nothing, and the answer
-/// is how far at least.
-pub fn cylinder_cylinder(a: &Cylinder, b: &Cylinder, b_to_a: &Similarity, out: &mut Manifold) -> Option<f64> {
+/// The points of a contact with a cap or along the sides, or a single one; nothing if the parts are apart. The answer is how
+/// far they are apart at least, or minus the depth. `apart` is the most that they can be apart, infinite where it is not
+/// known.
+pub fn cylinder_cylinder((a, b): (&Cylinder, &Cylinder), b_to_a: &Similarity, apart: f64, out: &mut Manifold) -> f64 {
     let (a, b) = (Solid::of(a), Solid::of(b).mapped(b_to_a));
-    let found = match Search::run(&a, &b) {
+    let found = match Search::run(&a, &b, apart) {
         Ok(found) => found,
-        Err(gap) => return Some(gap),
+        Err(gap) => return gap,
     };
     let towards = found.towards;
     let near = COINCIDENT * a.reach().min(b.reach());
@@ -46,7 +49,7 @@ pub fn cylinder_cylinder(a: &Cylinder, b: &Cylinder, b_to_a: &Similarity, out: &
             }
         }
     }
-    None
+    -contact.depth
 }
 
 /// First and last end of either line that lies beside the other cylinder, each as deep as it is in that one's side.
@@ -106,15 +109,17 @@ struct Search<'s> {
     b: &'s Solid,
     best: Found,
     to_beat: f64,
+    /// The most that the parts can be apart.
+    apart: f64,
     /// Whether the directions measured now are those of caps.
     is_cap: bool,
 }
 
 impl<'s> Search<'s> {
     /// The deepest direction, or the gap along one that separates.
-    fn run(a: &'s Solid, b: &'s Solid) -> Result<Found, f64> {
+    fn run(a: &'s Solid, b: &'s Solid, apart: f64) -> Result<Found, f64> {
         let nothing = Found { towards: a.axis, distance: f64::MIN, middle: a.center, is_cap: true };
-        let mut search = Self { a, b, best: nothing, to_beat: f64::MIN, is_cap: true };
+        let mut search = Self { a, b, best: nothing, to_beat: f64::MIN, apart, is_cap: true };
         let d = b.center - a.center;
         let facing = |n: Vec3| n * 1.0_f64.copysign(n.dot(&d));
         search.measure(facing(a.axis), |towards, distance| b.support(&-towards) - towards * (0.5 * distance));
@@ -128,18 +133,36 @@ impl<'s> Search<'s> {
         search.side_at_rims(true);
         search.side_at_rims(false);
         if search.best.distance < 0.0 {
-            rim_directions(a, b, -search.to_beat, |towards, middle| search.measure(towards, |_, _| middle));
+            let bounds = [-search.to_beat, search.most()];
+            let slack = search.slack();
+            rim_directions(a, b, bounds, |towards, middle, apart| {
+                search.measure_if(towards, |_, _| middle, |_, distance| apart <= distance.abs() + 0.5 * slack);
+            });
         }
         if search.best.distance < 0.0 { Ok(search.best) } else { Err(search.best.distance) }
     }
 
     fn measure(&mut self, towards: Vec3, at: impl Fn(Vec3, f64) -> Vec3) {
+        self.measure_if(towards, at, |_, _| true);
+    }
+
+    /// Measures a direction with the full supports, of features that are near enough to each other for its distance.
+    fn measure_if(&mut self, towards: Vec3, at: impl Fn(Vec3, f64) -> Vec3, are_near: impl Fn(&Self, f64) -> bool) {
         let d = self.b.center - self.a.center;
         let distance = towards.dot(&d) - self.a.reach_along(&towards) - self.b.reach_along(&towards);
-        if distance > self.to_beat {
+        if distance > self.to_beat && are_near(self, distance) {
             let (middle, is_cap) = (at(towards, distance), self.is_cap);
             (self.best, self.to_beat) = (Found { towards, distance, middle, is_cap }, distance);
         }
+    }
+
+    /// The features that decide are no farther from each other than this: as far as the parts are deep, or apart.
+    fn most(&self) -> f64 {
+        (-self.to_beat).max(self.apart) + self.slack()
+    }
+
+    fn slack(&self) -> f64 {
+        SLACK * (self.a.reach() + self.b.reach())
     }
 
     fn sides(&mut self, facing: &impl Fn(Vec3) -> Vec3) {
@@ -156,15 +179,35 @@ impl<'s> Search<'s> {
     /// The side of one against the rims of the other: seen along its axis it is a disc.
     fn side_at_rims(&mut self, of_a: bool) {
         let (side, rims) = if of_a { (self.a, self.b) } else { (self.b, self.a) };
+        let most = self.most();
+        let near = [1.0, -1.0].map(|sense| is_near(side, rims, sense, most));
+        if near == [false; 2] {
+            return;
+        }
         let outline = Outline::new(rims, &side.axis);
-        for sense in [1.0, -1.0] {
+        for (sense, _) in [1.0, -1.0].into_iter().zip(near).filter(|(_, near)| *near) {
             outline.feet(sense, &side.center, |foot| {
                 let towards = if of_a { -foot.outwards } else { foot.outwards };
                 // beside the side, also where the axes are parallel and any rim point is as near; from the surface of the one with the rims into its overlap with the other
                 let along = side.axis.dot(&(foot.on_rim - side.center));
                 let beside = foot.on_rim + side.axis * (along.clamp(-side.half, side.half) - along);
-                self.measure(towards, |_, distance| beside + foot.outwards * (0.5 * distance));
+                self.measure_if(
+                    towards,
+                    |_, distance| beside + foot.outwards * (0.5 * distance),
+                    // by the same rule as above, so that what is known of a pair does not show in ties
+                    |search, distance| is_near(side, rims, sense, distance.abs() + 0.5 * search.slack()),
+                );
             });
         }
     }
+}
+
+/// Whether the rim of a cap may be no farther from the side of the other than `most`.
+fn is_near(side: &Solid, rims: &Solid, sense: f64, most: f64) -> bool {
+    let d = rims.cap(sense) - side.center;
+    let along = side.axis.dot(&d);
+    let rho = (d - side.axis * along).norm();
+    along.abs() - rims.radius <= side.half + most
+        && rho - rims.radius <= side.radius + most
+        && rho + rims.radius >= side.radius - most
 }

@@ -21,20 +21,24 @@ const FACE_PREFERENCE: f64 = 1e-12;
 /// Sine of the angle between axis and edge below which they are parallel to rounding.
 const PARALLEL: f64 = 1e-14;
 
-/// The points of a contact with a cap or along the side, or a single one. If the parts are apart nothing, and the answer
-/// is how far at least.
+/// Slack of distances that are compared to leave features out, over the size of the pair: far above rounding.
+const SLACK: f64 = 1e-9;
+
+/// The points of a contact with a cap or along the side, or a single one; nothing if the parts are apart. The answer is how
+/// far they are apart at least, or minus the depth. `apart` is the most that they can be apart, infinite where it is not
+/// known.
 pub fn cylinder_polyhedron(
     (part_a, a): (&Part, &Cylinder),
     (part_b, b): (&Part, &Polyhedron),
-    b_to_a: &Similarity,
+    (b_to_a, apart): (&Similarity, f64),
     out: &mut Manifold,
-) -> Option<f64> {
+) -> f64 {
     let solid = Solid::of(a);
     let (size_a, size_b) = (part_a.radius, part_b.radius * b_to_a.scale);
     let in_b = solid.mapped(&b_to_a.inverse());
-    let found = match Search::run(&in_b, b, (size_a + size_b) / b_to_a.scale) {
+    let found = match Search::run(&in_b, b, [(size_a + size_b) / b_to_a.scale, apart / b_to_a.scale]) {
         Ok(found) => found,
-        Err(gap) => return Some(gap * b_to_a.scale),
+        Err(gap) => return gap * b_to_a.scale,
     };
     let (face, _) = incident_face(b, &-found.outwards, EQUALLY_DEEP * part_b.radius);
     let face = Face::new(b, face, b_to_a);
@@ -48,7 +52,7 @@ pub fn cylinder_polyhedron(
         Facing::Cap(cap) => cap.push_on_face(&face, &contact, out),
         Facing::Line(line) => line.push_on_face(&face, &contact, out),
     }
-    None
+    -contact.depth
 }
 
 /// A direction out of the polyhedron, the separation along it, and where the parts meet in the middle.
@@ -65,14 +69,17 @@ struct Search<'s> {
     b: &'s Polyhedron,
     best: Found,
     to_beat: f64,
+    /// The most that the parts can be apart, and the slack of distances.
+    apart: f64,
+    slack: f64,
 }
 
 impl<'s> Search<'s> {
     /// The deepest direction, or the gap along one that separates.
-    fn run(solid: &'s Solid, b: &'s Polyhedron, size: f64) -> Result<Found, f64> {
+    fn run(solid: &'s Solid, b: &'s Polyhedron, [size, apart]: [f64; 2]) -> Result<Found, f64> {
         let nothing =
             Found { outwards: solid.axis, distance: f64::MIN, middle: solid.center, feature: FeatureKey::point(0) };
-        let mut search = Self { solid, b, best: nothing, to_beat: f64::MIN };
+        let mut search = Self { solid, b, best: nothing, to_beat: f64::MIN, apart, slack: SLACK * size };
         search.faces();
         search.caps();
         // beyond zero every direction counts: touching by less than the tolerance must not hide a gap
@@ -121,7 +128,7 @@ impl<'s> Search<'s> {
                 // on the axis any direction across is as good
                 let outwards =
                     if distance > 0.0 { across / distance } else { self.solid.ring(&self.solid.axis).deepest };
-                self.measure(outwards, *v, None, FeatureKey::vertex_of_b(k as u32));
+                self.measure(outwards, *v, FeatureKey::vertex_of_b(k as u32));
             }
         }
     }
@@ -130,21 +137,52 @@ impl<'s> Search<'s> {
         for (k, e) in self.b.edges().iter().enumerate() {
             let key = crossing_key(k as u32);
             self.edge_at_side(e, key);
-            let x = self.b.vertices()[e.vertices[0] as usize];
+            let ends = e.vertices.map(|v| &self.b.vertices()[v as usize]);
+            let most = (-self.to_beat).max(self.apart) + self.slack;
+            let near = [1.0, -1.0].map(|sense| self.is_near(ends, &e.direction, sense, most));
+            if near == [false; 2] {
+                continue;
+            }
+            let x = *ends[0];
             let outline = Outline::new(self.solid, &e.direction);
-            for sense in [1.0, -1.0] {
+            for (sense, _) in [1.0, -1.0].into_iter().zip(near).filter(|(_, near)| *near) {
                 if outline.is_deeper(sense, &x, -self.to_beat) {
                     continue;
                 }
                 outline.feet(sense, &x, |foot| {
                     let outwards = -foot.outwards;
                     let bound = outwards.dot(&(self.solid.center - x)) - self.solid.reach_along(&outwards);
-                    if bound > self.to_beat {
-                        self.measure(outwards, x, Some(foot.on_rim), key);
+                    if bound <= self.to_beat {
+                        return;
+                    }
+                    let distance = self.separation(&outwards);
+                    // by the same rule as above, so that what is known of a pair does not show in ties
+                    let most = distance.abs() + 0.5 * self.slack;
+                    if distance > self.to_beat && self.is_near(ends, &e.direction, sense, most) {
+                        self.offer(outwards, distance, foot.on_rim - outwards * (0.5 * distance), key);
                     }
                 });
             }
         }
+    }
+
+    /// Whether an edge may be no farther from the rim of a cap than `most`. Where the nearest way out of touching parts is
+    /// that of an edge and a rim they are as far from each other as the parts are deep, and where parts are apart the
+    /// features next to their closest points are as far from each other as they are.
+    fn is_near(&self, [p, q]: [&Vec3; 2], direction: &Vec3, sense: f64, most: f64) -> bool {
+        let cap = self.solid.cap(sense);
+        let [u, v] = [p - cap, q - cap];
+        let [above, beyond] = [self.solid.axis.dot(&u), self.solid.axis.dot(&v)];
+        if (above > most && beyond > most) || (above < -most && beyond < -most) {
+            return false;
+        }
+        let inner = self.solid.radius - most;
+        if inner > 0.0 && u.norm_squared().max(v.norm_squared()) < inner * inner {
+            return false;
+        }
+        let along = (-direction.dot(&u)).clamp(0.0, direction.dot(&(q - p)).max(0.0));
+        let outer = self.solid.radius + most;
+        (u + direction * along).norm_squared() <= outer * outer
     }
 
     fn edge_at_side(&mut self, e: &Edge, key: FeatureKey) {
@@ -161,15 +199,18 @@ impl<'s> Search<'s> {
         let edge = e.vertices.map(|v| self.b.vertices()[v as usize]);
         if outwards.dot(&(self.solid.center - edge[0])) - self.solid.radius > self.to_beat {
             let crossing = segment_segment(&edge, &[self.solid.cap(-1.0), self.solid.cap(1.0)]).0;
-            self.measure(outwards, crossing, None, key);
+            self.measure(outwards, crossing, key);
         }
     }
 
-    /// Measures a direction with the full supports; the parts meet at a point of the polyhedron, or of the cylinder.
-    fn measure(&mut self, outwards: Vec3, on_b: Vec3, on_a: Option<Vec3>, feature: FeatureKey) {
-        let distance = outwards.dot(&self.solid.center) - self.solid.reach_along(&outwards) - self.highest(&outwards).0;
-        let middle = on_a.map_or(on_b + outwards * (0.5 * distance), |x| x - outwards * (0.5 * distance));
-        self.offer(outwards, distance, middle, feature);
+    /// Measures a direction with the full supports; the parts meet at a point of the polyhedron.
+    fn measure(&mut self, outwards: Vec3, on_b: Vec3, feature: FeatureKey) {
+        let distance = self.separation(&outwards);
+        self.offer(outwards, distance, on_b + outwards * (0.5 * distance), feature);
+    }
+
+    fn separation(&self, outwards: &Vec3) -> f64 {
+        outwards.dot(&self.solid.center) - self.solid.reach_along(outwards) - self.highest(outwards).0
     }
 
     fn highest(&self, along: &Vec3) -> (f64, usize) {

@@ -165,14 +165,14 @@ fn feature_points(a: &Part, b: &Part, b_to_a: &Similarity, out: &mut Manifold) {
     }
 }
 
-/// Runs a test that answers with a gap, unless the gap of an earlier one cannot have closed yet.
-fn unless_apart(cache: &mut PairCache, parts: (&Part, &Part), b_to_a: &Similarity, test: impl FnOnce() -> Option<f64>) {
+/// Runs a test that answers with a gap or minus a depth, unless the gap of an earlier one cannot have closed yet. It is told
+/// how far the parts are apart at most.
+fn unless_apart(cache: &mut PairCache, parts: (&Part, &Part), b_to_a: &Similarity, test: impl FnOnce(f64) -> f64) {
     if cache.are_apart(b_to_a) {
         return;
     }
-    if let Some(gap) = test() {
-        cache.learn_gap(gap, parts, b_to_a);
-    }
+    let separation = test(cache.apart_at_most(b_to_a));
+    cache.learn(separation, parts, b_to_a);
 }
 
 /// The table of pairs; the other orders come here swapped.
@@ -198,11 +198,13 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCac
             spherocylinder_cylinder(&capsule(d, *r), &cylinder(e, *s), b_to_a, out);
         }
         (P::Cylinder { ends: d, radius: r }, P::Cylinder { ends: e, radius: s }) => {
-            unless_apart(cache, (a, b), b_to_a, || cylinder_cylinder(&cylinder(d, *r), &cylinder(e, *s), b_to_a, out));
+            unless_apart(cache, (a, b), b_to_a, |apart| {
+                cylinder_cylinder((&cylinder(d, *r), &cylinder(e, *s)), b_to_a, apart, out)
+            });
         }
         (P::Cylinder { ends, radius }, P::Polyhedron(q)) => {
-            unless_apart(cache, (a, b), b_to_a, || {
-                cylinder_polyhedron((a, &cylinder(ends, *radius)), (b, q), b_to_a, out)
+            unless_apart(cache, (a, b), b_to_a, |apart| {
+                cylinder_polyhedron((a, &cylinder(ends, *radius)), (b, q), (b_to_a, apart), out)
             });
         }
         (P::Sphere { center, radius }, P::Polyhedron(q)) => {

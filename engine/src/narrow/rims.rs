@@ -3,6 +3,7 @@
 use super::cylinder::Solid;
 use crate::math::Vec3;
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 /// Samples of a rim. Between two of them the distance to the other rim has at most one extremum, or two that a parabola
 /// through three samples finds.
@@ -41,14 +42,19 @@ impl Other<'_> {
         z * z_rate + along - self.side * self.solid.radius * (if rho > 0.0 { along / rho } else { 0.0 })
     }
 
-    /// Whether a point of the rim within the slack of `x` can be out beyond the edge, where it separates, or within the
-    /// slack of it.
-    fn may_matter(&self, x: &Vec3, sense: f64, slack: f64) -> bool {
+    /// Whether a point of the rim within `reach` of `x` may be one that decides: out beyond the edge, where it separates, or
+    /// less than `depth` from it, and no farther than `most`.
+    fn may_matter(&self, x: &Vec3, sense: f64, reach: f64, [depth, most]: [f64; 2]) -> bool {
         let d = x - self.center;
         let z = d.dot(&self.solid.axis);
-        let rho = (d - self.solid.axis * z).norm();
-        let beside = rho - self.side * self.solid.radius;
-        z.hypot(beside) <= slack || (self.side > 0.0 && sense * z > -slack && beside > -slack)
+        let farthest = most + reach;
+        if z.abs() > farthest {
+            return false;
+        }
+        let beside = (d - self.solid.axis * z).norm() - self.side * self.solid.radius;
+        let (distance2, slack) = (z * z + beside * beside, depth + reach);
+        distance2 <= farthest * farthest
+            && (distance2 <= slack * slack || (self.side > 0.0 && sense * z > -slack && beside > -slack))
     }
 
     /// The point of the circle beside `x`.
@@ -60,83 +66,100 @@ impl Other<'_> {
     }
 }
 
-/// Visits the direction from `a` to `b` and the middle of every pair of stationary points that may separate the two, or
-/// overlap by less than `depth`.
-pub(super) fn rim_directions(a: &Solid, b: &Solid, depth: f64, mut visit: impl FnMut(Vec3, Vec3)) {
+/// Visits the direction from `a` to `b`, the middle and the distance of every pair of stationary points that may separate
+/// the two, or overlap by less than `depth`, and are no farther from each other than `most`.
+pub(super) fn rim_directions(a: &Solid, b: &Solid, bounds: [f64; 2], mut visit: impl FnMut(Vec3, Vec3, f64)) {
     // the smaller one is sampled: a larger one could pass over all of it between two samples
     if b.radius <= a.radius {
-        along_rims_of_b(a, b, depth, visit);
+        along_rims_of_b(a, b, bounds, visit);
     } else {
-        along_rims_of_b(b, a, depth, |towards, middle| visit(-towards, middle));
+        along_rims_of_b(b, a, bounds, |towards, middle, distance| visit(-towards, middle, distance));
     }
 }
 
-fn along_rims_of_b(a: &Solid, b: &Solid, depth: f64, mut visit: impl FnMut(Vec3, Vec3)) {
-    let table: [(f64, f64); SAMPLES] = std::array::from_fn(|k| {
+/// Cosine and sine of the angles of the samples.
+static TABLE: LazyLock<[(f64, f64); SAMPLES]> = LazyLock::new(|| {
+    std::array::from_fn(|k| {
         let (sin, cos) = (TAU * k as f64 / SAMPLES as f64).sin_cos();
         (cos, sin)
-    });
+    })
+});
+
+fn along_rims_of_b(a: &Solid, b: &Solid, [depth, most]: [f64; 2], mut visit: impl FnMut(Vec3, Vec3, f64)) {
     let ring = b.ring(&b.axis);
     // a sample stands for the stretches on both sides of it
     let reach = b.radius * TAU / SAMPLES as f64;
     for sense_b in [1.0, -1.0] {
         let rim = Rim { center: b.cap(sense_b), cos: ring.deepest * b.radius, sin: ring.side * b.radius };
-        let moving = table.map(|angle| rim.at(angle));
         for sense_a in [1.0, -1.0] {
+            let farthest = most + a.radius + b.radius;
+            if (rim.center - a.cap(sense_a)).norm_squared() > farthest * farthest {
+                continue;
+            }
+            let moving = TABLE.map(|angle| rim.at(angle));
             for side in [1.0, -1.0] {
                 // the far side of a rim is deeper than its radius
                 if side < 0.0 && depth < a.radius {
                     continue;
                 }
                 let other = Other { solid: a, center: a.cap(sense_a), side };
-                let slopes = moving.map(|m| other.slope(&m));
-                let may_matter = |k: usize| other.may_matter(&moving[k].0, sense_a, depth + reach);
+                let may_matter = |k: usize| other.may_matter(&moving[k].0, sense_a, reach, [depth, most]);
                 each_zero(
-                    &slopes,
+                    |k| other.slope(&moving[k]),
                     may_matter,
                     |angle| other.slope(&rim.at((angle.cos(), angle.sin()))),
-                    |angle| {
-                        let (x, tangent) = rim.at((angle.cos(), angle.sin()));
-                        let Some(foot) = other.foot(&x) else { return };
-                        let distance = (x - foot).norm();
-                        // across both tangents: next to touching, the difference of the points is rounding
-                        let cross = tangent.cross(&a.axis.cross(&(foot - other.center))) / (a.radius * b.radius);
-                        let sine = cross.norm();
-                        let n = if sine * b.radius > distance { cross / sine } else { (x - foot) / distance };
-                        let n = if n.dot(&(x - foot)) < 0.0 { -n } else { n };
-                        if n.norm_squared() > 0.5 {
-                            let middle = (x + foot) * 0.5;
-                            visit(n, middle);
-                            if distance < depth {
-                                visit(-n, middle);
-                            }
-                        }
-                    },
+                    |angle| visit_stationary(&other, &rim, (b.radius, angle), depth, &mut visit),
                 );
             }
         }
     }
 }
 
-/// Zeros of a periodic function known at evenly spaced angles.
+/// The direction between a point of a rim at an angle and the other rim, and the opposite one where they overlap.
+fn visit_stationary(
+    other: &Other<'_>,
+    rim: &Rim,
+    (radius, angle): (f64, f64),
+    depth: f64,
+    visit: &mut impl FnMut(Vec3, Vec3, f64),
+) {
+    let a = other.solid;
+    let (x, tangent) = rim.at((angle.cos(), angle.sin()));
+    let Some(foot) = other.foot(&x) else { return };
+    let distance = (x - foot).norm();
+    // across both tangents: next to touching, the difference of the points is rounding
+    let cross = tangent.cross(&a.axis.cross(&(foot - other.center))) / (a.radius * radius);
+    let sine = cross.norm();
+    let n = if sine * radius > distance { cross / sine } else { (x - foot) / distance };
+    let n = if n.dot(&(x - foot)) < 0.0 { -n } else { n };
+    if n.norm_squared() > 0.5 {
+        let middle = (x + foot) * 0.5;
+        visit(n, middle, distance);
+        if distance < depth {
+            visit(-n, middle, distance);
+        }
+    }
+}
+
+/// Zeros of a periodic function, near those of its evenly spaced samples that may matter.
 fn each_zero(
-    samples: &[f64; SAMPLES],
+    sample: impl Fn(usize) -> f64,
     may_matter: impl Fn(usize) -> bool,
     f: impl Fn(f64) -> f64,
     mut visit: impl FnMut(f64),
 ) {
     let step = TAU / SAMPLES as f64;
     for k in 0..SAMPLES {
-        let (start, here, next) = (k as f64 * step, samples[k], samples[(k + 1) % SAMPLES]);
         if !may_matter(k) {
             continue;
         }
+        let (start, here, next) = (k as f64 * step, sample(k), sample((k + 1) % SAMPLES));
         if (here <= 0.0) != (next <= 0.0) {
             visit(zero(&f, [start, start + step], [here, next]));
             continue;
         }
         // the samples may straddle two zeros: where a parabola through three of them turns
-        let before = samples[(k + SAMPLES - 1) % SAMPLES];
+        let before = sample((k + SAMPLES - 1) % SAMPLES);
         let bend = before - 2.0 * here + next;
         let turn = 0.5 * (before - next) / bend;
         if here.abs() > before.abs() || here.abs() > next.abs() || turn.is_nan() || turn.abs() > 1.0 {

@@ -21,7 +21,7 @@ pub fn cases() -> Vec<Case> {
         Case::fast("S10", "more than a half-thickness per step is refused, less does not tunnel", tunnelling),
         Case::fast("S12", "drum at 1000 rpm centrifuges; gravity flips lose nobody", violent_vessels),
         Case::fast("S16", "1e5 steps of rest on a slope of 20 deg", |checks| rest_on_slope(checks, 100_000)),
-        Case::slow("S16L", "the same for 5e6 steps", |checks| rest_on_slope(checks, 5_000_000)),
+        Case::slow("S16L", "5e6 steps of rest on a slope of 20 deg", |checks| rest_on_slope(checks, 5_000_000)),
     ]
 }
 

@@ -342,3 +342,41 @@ fn the_force_of_a_cylinder_is_continuous() {
         }
     }
 }
+
+/// What is known of a pair may only save work: the same contacts, to the bit, with and without, on walks that press parts
+/// together, part them and turn them, by little and by much, generic and aligned.
+#[test]
+fn what_is_known_of_a_pair_is_invisible() {
+    let cylinders = [cylinder(0.5, 1.0), cylinder(0.2, 2.0), cylinder(1.0, 0.1), cylinder(0.5, 0.5)];
+    let mut random = Random(44);
+    let hull = random_hull(&mut random);
+    let others =
+        [cube(), pinacoid(1.0), prism(6, 0.5), cuboid(2.0, 1.0, 0.02), hull, cylinder(0.5, 1.0), cylinder(0.3, 0.4)];
+    let (mut touching, mut apart) = (0, 0);
+    for walk in 0..300 {
+        let (a, b) = (&others[walk % others.len()], &cylinders[random.below(cylinders.len())]);
+        let start = some_pose(&mut random, walk, 0.9 * (a.radius + b.radius));
+        // as deep as contacts of a run are, or a little apart
+        let shallow = contacts(a, b, &start).points().first().copied().map(|p| {
+            let overlap = 10_f64.powf(random.between(-6.0, -2.0)) * p.overlap * if walk % 3 == 0 { -1.0 } else { 1.0 };
+            Similarity { translation: start.translation + p.normal * (p.overlap - overlap), ..start }
+        });
+        let mut pose = shallow.unwrap_or(start);
+        let mut cache = PairCache::default();
+        for step in 0..60 {
+            let mut known = Manifold::default();
+            collide(a, b, &pose, &mut cache, &mut known);
+            let fresh = contacts(a, b, &pose);
+            assert_eq!(known.points(), fresh.points(), "walk {walk}, step {step}: {pose:?}");
+            if fresh.is_empty() {
+                apart += 1
+            } else {
+                touching += 1
+            }
+            let size = 10_f64.powf(random.between(-7.0, if step % 20 == 19 { -0.5 } else { -3.0 }));
+            pose.translation += random.in_ball() * size;
+            pose.rotation = rotation(random.direction(), size) * pose.rotation;
+        }
+    }
+    assert!(touching > 5_000 && apart > 1_500, "{touching} {apart}");
+}
