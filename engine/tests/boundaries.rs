@@ -163,3 +163,13 @@ fn an_open_side_lets_particles_out_and_bad_boxes_are_refused() {
     let twice = room("", "") + &common::plane("room/y+", [0.0; 3], [0.0, 0.0, 1.0]);
     assert!(refused(&twice).contains("boundary[1].name: 'room/y+' is used twice"));
 }
+
+#[test]
+fn half_space_is_another_name_of_plane() {
+    let plane = common::plane("floor", [0.0, 0.0, 1.0], [0.0, 0.0, 2.0]);
+    let half_space = plane.replace("\"plane\"", "\"half_space\"");
+    assert_ne!(plane, half_space);
+    let scene = |floor: &str| header([0.0; 3], 1e-5, "normal = \"linear\"", ELASTIC) + floor;
+    let read = |floor: &str| sturz_engine::scene::SceneDescription::from_toml(&scene(floor)).unwrap();
+    assert_eq!(read(&plane), read(&half_space));
+}

@@ -332,7 +332,8 @@ pub struct BoundaryDescription {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum BoundaryGeometry {
-    /// Half-space; particles live on the side that `normal` points to.
+    /// Half-space; particles live on the side that `normal` points to. `half_space` is another name of it.
+    #[serde(alias = "half_space")]
     Plane {
         /// A point of the plane.
         point_m: [f64; 3],
