@@ -234,8 +234,8 @@ impl Engine {
         };
         let Self { particles, contacts, neighbours, .. } = self;
         if !neighbours.is_stale(particles, &inputs) {
-            // A sphere's image is read by place only.
-            if !scene.plan().all_spheres {
+            // The sphere batch reads images by place only.
+            if !(scene.plan().all_spheres && scene.plan().sphere_batch) {
                 particles.update_ghosts();
             }
             return particles.update_places(!contacts.spheres.is_empty());
