@@ -1,5 +1,6 @@
 //! Time as (base time, base step, dt): never a running sum, so that 1e6 windows leave no drift.
 
+use crate::checkpoint::codec::pack_fields;
 use crate::error::InvalidInput;
 
 /// Simulated time of the steps.
@@ -19,6 +20,16 @@ struct Window {
     end_step: u64,
     end_time_s: f64,
 }
+
+pack_fields!(Clock {
+    base_time_s: f64,
+    base_step: u64,
+    step: u64,
+    time_step_s: f64,
+    nominal_time_step_s: f64,
+    window: Option<Window>,
+});
+pack_fields!(Window { end_step: u64, end_time_s: f64 });
 
 /// Relative excess of window / step that still counts as a whole number of steps: rounding of the quotient.
 const WHOLE_STEPS_TOLERANCE: f64 = 1e-9;
@@ -87,6 +98,25 @@ impl Clock {
         let now = self.time_s();
         self.rebase(now, self.nominal_time_step_s);
         self.window = None;
+    }
+
+    /// Whether an engine of this nominal step may have it.
+    pub(crate) fn check(&self, nominal_time_step_s: f64) -> Result<(), InvalidInput> {
+        let error = |problem: String| Err(InvalidInput::new("clock", problem));
+        let Self { base_time_s, base_step, step, time_step_s, .. } = *self;
+        if self.nominal_time_step_s != nominal_time_step_s {
+            return error(format!(
+                "has a time step of {} s, the scene {nominal_time_step_s} s",
+                self.nominal_time_step_s
+            ));
+        }
+        let in_use = time_step_s > 0.0 && time_step_s <= nominal_time_step_s * (1.0 + WHOLE_STEPS_TOLERANCE);
+        let window = self.window.is_none_or(|window| window.end_step >= step && window.end_time_s.is_finite());
+        if base_time_s.is_finite() && step >= base_step && step < u64::MAX / 2 && in_use && window {
+            Ok(())
+        } else {
+            error(format!("is {self:?}"))
+        }
     }
 
     fn rebase(&mut self, time_s: f64, time_step_s: f64) {

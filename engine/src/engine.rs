@@ -1,6 +1,6 @@
 //! The owner of all state. Synchronous, deterministic, without I/O.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -38,6 +38,8 @@ pub struct Engine {
     pub(crate) next_id: u64,
     pub(crate) topology_epoch: u64,
     pub(crate) failure: Option<StepError>,
+    /// Of the scene, once a checkpoint has asked for it.
+    pub(crate) layout: OnceLock<[u64; 8]>,
     pool: Arc<ThreadPool>,
     timer: Option<Box<dyn StageTimer>>,
 }
@@ -61,14 +63,23 @@ fn pool(threads: usize) -> Arc<ThreadPool> {
 impl Engine {
     /// Starts the scene at step 0, on one thread.
     pub fn new(scene: Scene) -> Self {
-        let mut particles = Particles::default();
-        scene.particles().iter().for_each(|particle| particles.push(particle));
-        let mut engine = Self {
+        let mut engine = Self::blank(Arc::new(scene), pool(1));
+        let scene = Arc::clone(&engine.scene);
+        scene.particles().iter().for_each(|particle| engine.particles.push(particle));
+        engine.next_id = scene.particles().len() as u64;
+        engine.in_pool(Self::prepare);
+        engine.ledger.initial = engine.mechanical_energy().total();
+        engine
+    }
+
+    /// The scene at step 0 without its particles, and without forces.
+    fn blank(scene: Arc<Scene>, pool: Arc<ThreadPool>) -> Self {
+        Self {
             clock: Clock::new(scene.time_step_s()),
             gravity: Vec3::from(scene.description().scene.gravity_m_per_s2),
-            next_id: scene.particles().len() as u64,
+            next_id: 0,
             boundaries: scene.boundaries().to_vec(),
-            particles,
+            particles: Particles::default(),
             neighbours: Neighbours::default(),
             contacts: ContactTable::default(),
             sums: Sums::default(),
@@ -79,13 +90,21 @@ impl Engine {
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
             failure: None,
-            pool: pool(1),
+            layout: OnceLock::new(),
+            pool,
             timer: None,
-            scene: Arc::new(scene),
-        };
-        engine.in_pool(Self::prepare);
-        engine.ledger.initial = engine.mechanical_energy().total();
-        engine
+            scene,
+        }
+    }
+
+    /// The same scene at step 0, without particles and without a timer, on the same threads.
+    pub(crate) fn blank_twin(&self) -> Self {
+        Self { layout: self.layout.clone(), ..Self::blank(Arc::clone(&self.scene), Arc::clone(&self.pool)) }
+    }
+
+    /// Takes over all but the timer.
+    pub(crate) fn become_twin(&mut self, twin: Self) {
+        *self = Self { timer: self.timer.take(), ..twin };
     }
 
     /// Threads of the physics; the results do not depend on it.
@@ -164,6 +183,19 @@ impl Engine {
     /// Forces at the present state without a step: at the start, and after the particles have changed.
     pub(crate) fn prepare(&mut self) {
         self.neighbours.invalidate();
+        self.predict_present_motion();
+        self.wrap_into_cell();
+        self.rebuild_neighbours_if_stale(self.clock.time_s());
+        self.find_contacts();
+        self.evaluate_with(0.0);
+        self.gather_forces();
+        self.damp_locally(0.0);
+        self.sums = self.contacts.sums();
+        self.ledger.restart(&self.sums);
+    }
+
+    /// Velocities that the contact laws see, where there was no step before.
+    pub(crate) fn predict_present_motion(&mut self) {
         for row in 0..self.particles.n_owned() {
             let velocity = self.particles.velocity[row];
             let angular_velocity = self.particles.angular_velocity(row);
@@ -174,14 +206,6 @@ impl Engine {
                 mean_angular_velocity: angular_velocity,
             };
         }
-        self.wrap_into_cell();
-        self.rebuild_neighbours_if_stale(self.clock.time_s());
-        self.find_contacts();
-        self.evaluate_with(0.0);
-        self.gather_forces();
-        self.damp_locally(0.0);
-        self.sums = self.contacts.sums();
-        self.ledger.restart(&self.sums);
     }
 
     pub(crate) fn begin_timing(&mut self) {

@@ -13,6 +13,7 @@ mod r518;
 mod refusals;
 mod remote;
 mod resistance;
+mod restart;
 mod restitution;
 mod rotation;
 mod rounded;
@@ -196,6 +197,7 @@ pub fn registry() -> Vec<Case> {
         rounded::cases(),
         energy::cases(),
         standing::cases(),
+        restart::cases(),
         r518::cases(),
     ]
     .into_iter()
