@@ -68,6 +68,11 @@ impl Clock {
         self.nominal_time_step_s
     }
 
+    /// Whether a window has begun and not ended.
+    pub fn is_in_window(&self) -> bool {
+        self.window.is_some()
+    }
+
     /// One step was done.
     pub(crate) fn advance(&mut self) {
         self.step += 1;

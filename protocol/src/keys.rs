@@ -8,7 +8,7 @@
 //! | `state/latest?columns=a\|b;float=f32` | query | `Frame` |
 //! | `field/<name>/latest` | query | `FieldFrame` |
 //! | `state/frame`, `field/<name>`, `report` | publication | `Frame`, `FieldFrame`, `Report` |
-//! | `event/{command, run, particles, field}` | advanced publication | `Event` |
+//! | `event/{command, run, particles, field, checkpoint}` | advanced publication | `Event` |
 //! | `alive` | liveliness token | |
 
 use thiserror::Error;
@@ -61,13 +61,21 @@ pub enum Verb {
     DefineField,
     /// Forgets a field.
     DropField,
+    /// Saves the state.
+    Checkpoint,
+    /// Goes back to a saved state.
+    Restore,
+    /// Names the saved states.
+    ListCheckpoints,
+    /// Forgets a saved state.
+    DropCheckpoint,
     /// Ends the daemon.
     Stop,
 }
 
 impl Verb {
     /// All of them.
-    pub const ALL: [Verb; 11] = [
+    pub const ALL: [Verb; 15] = [
         Verb::Insert,
         Verb::Remove,
         Verb::SetGravity,
@@ -78,6 +86,10 @@ impl Verb {
         Verb::Advance,
         Verb::DefineField,
         Verb::DropField,
+        Verb::Checkpoint,
+        Verb::Restore,
+        Verb::ListCheckpoints,
+        Verb::DropCheckpoint,
         Verb::Stop,
     ];
 
@@ -94,6 +106,10 @@ impl Verb {
             Verb::Advance => "advance",
             Verb::DefineField => "define_field",
             Verb::DropField => "drop_field",
+            Verb::Checkpoint => "checkpoint",
+            Verb::Restore => "restore",
+            Verb::ListCheckpoints => "list_checkpoints",
+            Verb::DropCheckpoint => "drop_checkpoint",
             Verb::Stop => "stop",
         }
     }

@@ -19,6 +19,10 @@ pub enum Request {
     Advance(v1::AdvanceRequest),
     DefineField(v1::DefineFieldRequest),
     DropField(v1::DropFieldRequest),
+    Checkpoint(v1::CheckpointRequest),
+    Restore(v1::RestoreRequest),
+    ListCheckpoints(v1::ListCheckpointsRequest),
+    DropCheckpoint(v1::DropCheckpointRequest),
     Stop(v1::StopRequest),
 }
 
@@ -36,6 +40,10 @@ macro_rules! each {
             Request::Advance($message) => $use,
             Request::DefineField($message) => $use,
             Request::DropField($message) => $use,
+            Request::Checkpoint($message) => $use,
+            Request::Restore($message) => $use,
+            Request::ListCheckpoints($message) => $use,
+            Request::DropCheckpoint($message) => $use,
             Request::Stop($message) => $use,
         }
     };
@@ -55,6 +63,10 @@ impl Request {
             Verb::Advance => Request::Advance(v1::AdvanceRequest::decode(bytes)?),
             Verb::DefineField => Request::DefineField(v1::DefineFieldRequest::decode(bytes)?),
             Verb::DropField => Request::DropField(v1::DropFieldRequest::decode(bytes)?),
+            Verb::Checkpoint => Request::Checkpoint(v1::CheckpointRequest::decode(bytes)?),
+            Verb::Restore => Request::Restore(v1::RestoreRequest::decode(bytes)?),
+            Verb::ListCheckpoints => Request::ListCheckpoints(v1::ListCheckpointsRequest::decode(bytes)?),
+            Verb::DropCheckpoint => Request::DropCheckpoint(v1::DropCheckpointRequest::decode(bytes)?),
             Verb::Stop => Request::Stop(v1::StopRequest::decode(bytes)?),
         })
     }
@@ -77,6 +89,10 @@ impl Request {
             Request::Advance(_) => Verb::Advance,
             Request::DefineField(_) => Verb::DefineField,
             Request::DropField(_) => Verb::DropField,
+            Request::Checkpoint(_) => Verb::Checkpoint,
+            Request::Restore(_) => Verb::Restore,
+            Request::ListCheckpoints(_) => Verb::ListCheckpoints,
+            Request::DropCheckpoint(_) => Verb::DropCheckpoint,
             Request::Stop(_) => Verb::Stop,
         }
     }

@@ -74,6 +74,10 @@ impl Runner<'_> {
             Body::Resume => self.resume(),
             Body::DefineField(definition) => self.define_field(definition),
             Body::DropField { name } => self.drop_field(&name),
+            Body::Checkpoint { token, on_disk } => return self.checkpoint(token, on_disk, ticket),
+            Body::Restore { token } => self.restore(&token),
+            Body::ListCheckpoints => Ok(self.list_checkpoints()),
+            Body::DropCheckpoint { token } => self.drop_checkpoint(&token),
             Body::Stop => {
                 self.phase = Phase::Ended;
                 Ok(Wire::Applied(v1::Applied {}))
@@ -96,7 +100,7 @@ impl Runner<'_> {
         }
     }
 
-    fn refuse(&mut self, ticket: Ticket, error: v1::Error) {
+    pub(crate) fn refuse(&mut self, ticket: Ticket, error: v1::Error) {
         let moment = self.moment();
         ticket.settle(&mut self.memory, moment, Wire::Error(error), None);
     }
@@ -154,6 +158,11 @@ impl Runner<'_> {
         if let Phase::Failed(reason) = &self.phase {
             return Err(error(v1::ErrorCode::RunFailed, "", reason.clone()));
         }
+        self.check_no_window()
+    }
+
+    /// Refuses where another client's window is under way.
+    pub(crate) fn check_no_window(&self) -> Result<(), v1::Error> {
         if let Some(window) = &self.window {
             let text = format!(
                 "another {} is under way: {} of {} steps are done",

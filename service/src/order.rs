@@ -65,6 +65,25 @@ pub enum Body {
         /// Its name.
         name: String,
     },
+    /// Save the state.
+    Checkpoint {
+        /// Empty: to be made.
+        token: String,
+        /// As a file, else in memory.
+        on_disk: bool,
+    },
+    /// Go to a saved state.
+    Restore {
+        /// Which.
+        token: String,
+    },
+    /// Name the saved states.
+    ListCheckpoints,
+    /// Forget a saved state.
+    DropCheckpoint {
+        /// Which.
+        token: String,
+    },
     /// End the daemon.
     Stop,
 }
@@ -141,13 +160,23 @@ fn check_key(key: &RequestKey) -> Result<(), v1::Error> {
     Ok(())
 }
 
+/// Commands that cannot wait for a simulated time.
+const AT_ONCE: [Verb; 8] = [
+    Verb::Pause,
+    Verb::Resume,
+    Verb::Step,
+    Verb::Advance,
+    Verb::Restore,
+    Verb::ListCheckpoints,
+    Verb::DropCheckpoint,
+    Verb::Stop,
+];
+
 fn check_time(verb: Verb, at_time_s: Option<f64>) -> Result<(), v1::Error> {
     let refuse = |text: String| Err(error(v1::ErrorCode::InvalidInput, "header.at_time_s", text));
     match at_time_s {
         Some(time) if !time.is_finite() => refuse(format!("is {time}, must be finite")),
-        Some(_) if matches!(verb, Verb::Pause | Verb::Resume | Verb::Step | Verb::Advance | Verb::Stop) => {
-            refuse(format!("is not for {}: it takes effect at once", verb.name()))
-        }
+        Some(_) if AT_ONCE.contains(&verb) => refuse(format!("is not for {}: it takes effect at once", verb.name())),
         _ => Ok(()),
     }
 }
@@ -177,8 +206,21 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
         Request::Advance(request) => advance_body(request),
         Request::DefineField(request) => define_field_body(request, limits),
         Request::DropField(request) => Ok(Body::DropField { name: request.name.clone() }),
+        Request::Checkpoint(request) => {
+            let token = if request.token.is_empty() { String::new() } else { token(&request.token)? };
+            Ok(Body::Checkpoint { token, on_disk: request.on_disk })
+        }
+        Request::Restore(request) => Ok(Body::Restore { token: token(&request.token)? }),
+        Request::ListCheckpoints(_) => Ok(Body::ListCheckpoints),
+        Request::DropCheckpoint(request) => Ok(Body::DropCheckpoint { token: token(&request.token)? }),
         Request::Stop(_) => Ok(Body::Stop),
     }
+}
+
+/// It may become the name of a file.
+fn token(name: &str) -> Result<String, v1::Error> {
+    let checked = check_name(name).map_err(|problem| error(v1::ErrorCode::InvalidInput, "token", problem.to_string()));
+    checked.map(|()| name.into())
 }
 
 fn advance_body(request: &v1::AdvanceRequest) -> Result<Body, v1::Error> {

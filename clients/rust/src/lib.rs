@@ -54,7 +54,7 @@ mod watch;
 pub use error::{ClientError, Refusal};
 pub use field::{Field, FieldDefinition};
 pub use later::{Later, Pending};
-pub use outcome::{Advanced, Applied, Inserted, Moment, Removed, Stepped};
+pub use outcome::{Advanced, Applied, Checkpointed, Inserted, Moment, Removed, Restored, Stepped};
 pub use request::{Amount, FloatType, Insertion, Motion, Placement, Region, Start, Window};
 pub use simulation::{DEFAULT_ENDPOINT, Simulation};
 pub use state::State;

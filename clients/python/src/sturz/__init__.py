@@ -25,6 +25,7 @@ from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, l
 from .state import BoundaryState, ColumnMissing, Header, Shape, State
 from .status import (
     Boundary,
+    Checkpoint,
     Domain,
     EnergyBalance,
     Event,
@@ -45,6 +46,7 @@ __all__ = [
     "Boundary",
     "BoundaryState",
     "Box",
+    "Checkpoint",
     "ColumnMissing",
     "CommandError",
     "Cylinder",

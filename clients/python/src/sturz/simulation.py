@@ -26,7 +26,7 @@ from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, SturzErro
 from .field import Field, FieldDefinition, grid_from
 from .progress import ProgressBar, wanted
 from .state import Shape, State
-from .status import Event, Features, Info, Report
+from .status import Checkpoint, Event, Features, Info, Report
 from .stream import Stream
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
@@ -110,6 +110,7 @@ def launch(
     name: str | None = None,
     threads: int | None = None,
     paused: bool = True,
+    checkpoints: str | os.PathLike[str] | None = None,
     timeout_s: float = 30.0,
     binary: str | os.PathLike[str] | None = None,
 ) -> Simulation:
@@ -121,6 +122,7 @@ def launch(
         name: instance on the bus: letters, digits, `_` and `-`; made from the scene when absent.
         threads: of the physics; the daemon's default when absent.
         paused: start paused, so that nothing happens before the first command.
+        checkpoints: folder for checkpoints on disk, made if need be; none when absent.
         timeout_s: for start and connection together.
         binary: the daemon; else the environment's STURZ_BINARY, the repository's release build, or the PATH.
 
@@ -135,6 +137,7 @@ def launch(
         name=name or f"{plain[:50]}-{secrets.token_hex(3)}",
         threads=threads,
         paused=paused,
+        checkpoints=checkpoints,
         timeout_s=timeout_s,
         binary=binary,
     )
@@ -203,6 +206,11 @@ class Simulation:
         with self._lock:
             if self._time_s is None or time_s > self._time_s:
                 self._time_s = time_s
+
+    def _went_to(self, time_s: float) -> None:
+        """Notes where a restored simulation is, be it earlier."""
+        with self._lock:
+            self._time_s = time_s
 
     # Questions.
 
@@ -703,6 +711,35 @@ class Simulation:
     def drop_field(self, *, name: str) -> None:
         """Forgets a field."""
         self._quick("drop_field", pb.DropFieldRequest(name=name))
+
+    def checkpoint(self, *, token: str = "", on_disk: bool = False) -> Checkpoint:
+        """Saves the whole state, to go back to by `restore`: bit for bit, springs of contacts and motions included.
+
+        Args:
+            token: letters, digits, `_` and `-`; one of that name is replaced. The daemon makes one when it is empty.
+            on_disk: as a file that outlives the daemon, in its folder for checkpoints, instead of in its memory.
+                Returns when the file is safe.
+        """
+        outcome = self.command("checkpoint", pb.CheckpointRequest(token=token, on_disk=on_disk))
+        return Checkpoint.from_message(outcome.checkpointed.checkpoint)
+
+    def restore(self, *, token: str) -> Checkpoint:
+        """Goes back, or ahead, to a saved state, bit for bit. A run that has failed is paused by it.
+
+        Windows that follow start there; ids and topology epochs given since are given again.
+        """
+        outcome = self.command("restore", pb.RestoreRequest(token=token))
+        self._went_to(outcome.sim_time_s)
+        return Checkpoint.from_message(outcome.restored.checkpoint)
+
+    def checkpoints(self) -> tuple[Checkpoint, ...]:
+        """The saved states, by token."""
+        saved = self._quick("list_checkpoints", pb.ListCheckpointsRequest()).checkpoints.checkpoints
+        return tuple(Checkpoint.from_message(each) for each in saved)
+
+    def drop_checkpoint(self, *, token: str) -> None:
+        """Forgets a saved state, its file included."""
+        self._quick("drop_checkpoint", pb.DropCheckpointRequest(token=token))
 
     # Streams.
 

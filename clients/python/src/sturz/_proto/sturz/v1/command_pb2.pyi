@@ -29,6 +29,8 @@ class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     ERROR_CODE_RUN_FAILED: _ClassVar[ErrorCode]
     ERROR_CODE_STOPPING: _ClassVar[ErrorCode]
     ERROR_CODE_INTERNAL: _ClassVar[ErrorCode]
+    ERROR_CODE_UNUSABLE_CHECKPOINT: _ClassVar[ErrorCode]
+    ERROR_CODE_DISK: _ClassVar[ErrorCode]
 STOP_REASON_UNSPECIFIED: StopReason
 STOP_REASON_COMPLETE: StopReason
 STOP_REASON_PAUSED: StopReason
@@ -46,6 +48,8 @@ ERROR_CODE_NOT_FOUND: ErrorCode
 ERROR_CODE_RUN_FAILED: ErrorCode
 ERROR_CODE_STOPPING: ErrorCode
 ERROR_CODE_INTERNAL: ErrorCode
+ERROR_CODE_UNUSABLE_CHECKPOINT: ErrorCode
+ERROR_CODE_DISK: ErrorCode
 
 class CommandHeader(_message.Message):
     __slots__ = ("client_id", "request_id", "at_time_s")
@@ -327,6 +331,38 @@ class DropFieldRequest(_message.Message):
     name: str
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., name: _Optional[str] = ...) -> None: ...
 
+class CheckpointRequest(_message.Message):
+    __slots__ = ("header", "token", "on_disk")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    ON_DISK_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    token: str
+    on_disk: bool
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ..., on_disk: bool = ...) -> None: ...
+
+class RestoreRequest(_message.Message):
+    __slots__ = ("header", "token")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    token: str
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ...) -> None: ...
+
+class ListCheckpointsRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
+
+class DropCheckpointRequest(_message.Message):
+    __slots__ = ("header", "token")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    token: str
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ...) -> None: ...
+
 class StopRequest(_message.Message):
     __slots__ = ("header",)
     HEADER_FIELD_NUMBER: _ClassVar[int]
@@ -334,7 +370,7 @@ class StopRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
 
 class Outcome(_message.Message):
-    __slots__ = ("client_id", "request_id", "command", "step", "sim_time_s", "repeated", "error", "applied", "inserted", "removed", "stepped", "advanced")
+    __slots__ = ("client_id", "request_id", "command", "step", "sim_time_s", "repeated", "error", "applied", "inserted", "removed", "stepped", "advanced", "checkpointed", "restored", "checkpoints")
     CLIENT_ID_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     COMMAND_FIELD_NUMBER: _ClassVar[int]
@@ -347,6 +383,9 @@ class Outcome(_message.Message):
     REMOVED_FIELD_NUMBER: _ClassVar[int]
     STEPPED_FIELD_NUMBER: _ClassVar[int]
     ADVANCED_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINTED_FIELD_NUMBER: _ClassVar[int]
+    RESTORED_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
     client_id: str
     request_id: str
     command: str
@@ -359,7 +398,10 @@ class Outcome(_message.Message):
     removed: Removed
     stepped: Stepped
     advanced: Advanced
-    def __init__(self, client_id: _Optional[str] = ..., request_id: _Optional[str] = ..., command: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., repeated: bool = ..., error: _Optional[_Union[Error, _Mapping]] = ..., applied: _Optional[_Union[Applied, _Mapping]] = ..., inserted: _Optional[_Union[Inserted, _Mapping]] = ..., removed: _Optional[_Union[Removed, _Mapping]] = ..., stepped: _Optional[_Union[Stepped, _Mapping]] = ..., advanced: _Optional[_Union[Advanced, _Mapping]] = ...) -> None: ...
+    checkpointed: Checkpointed
+    restored: Restored
+    checkpoints: Checkpoints
+    def __init__(self, client_id: _Optional[str] = ..., request_id: _Optional[str] = ..., command: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., repeated: bool = ..., error: _Optional[_Union[Error, _Mapping]] = ..., applied: _Optional[_Union[Applied, _Mapping]] = ..., inserted: _Optional[_Union[Inserted, _Mapping]] = ..., removed: _Optional[_Union[Removed, _Mapping]] = ..., stepped: _Optional[_Union[Stepped, _Mapping]] = ..., advanced: _Optional[_Union[Advanced, _Mapping]] = ..., checkpointed: _Optional[_Union[Checkpointed, _Mapping]] = ..., restored: _Optional[_Union[Restored, _Mapping]] = ..., checkpoints: _Optional[_Union[Checkpoints, _Mapping]] = ...) -> None: ...
 
 class Applied(_message.Message):
     __slots__ = ()
@@ -408,6 +450,44 @@ class Advanced(_message.Message):
     frame: _data_pb2.Frame
     fields: _containers.RepeatedCompositeFieldContainer[_data_pb2.FieldFrame]
     def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ...) -> None: ...
+
+class Checkpoint(_message.Message):
+    __slots__ = ("token", "step", "sim_time_s", "particles", "topology_epoch", "state_hash", "bytes", "on_disk")
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    STEP_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    PARTICLES_FIELD_NUMBER: _ClassVar[int]
+    TOPOLOGY_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    STATE_HASH_FIELD_NUMBER: _ClassVar[int]
+    BYTES_FIELD_NUMBER: _ClassVar[int]
+    ON_DISK_FIELD_NUMBER: _ClassVar[int]
+    token: str
+    step: int
+    sim_time_s: float
+    particles: int
+    topology_epoch: int
+    state_hash: int
+    bytes: int
+    on_disk: bool
+    def __init__(self, token: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., particles: _Optional[int] = ..., topology_epoch: _Optional[int] = ..., state_hash: _Optional[int] = ..., bytes: _Optional[int] = ..., on_disk: bool = ...) -> None: ...
+
+class Checkpointed(_message.Message):
+    __slots__ = ("checkpoint",)
+    CHECKPOINT_FIELD_NUMBER: _ClassVar[int]
+    checkpoint: Checkpoint
+    def __init__(self, checkpoint: _Optional[_Union[Checkpoint, _Mapping]] = ...) -> None: ...
+
+class Restored(_message.Message):
+    __slots__ = ("checkpoint",)
+    CHECKPOINT_FIELD_NUMBER: _ClassVar[int]
+    checkpoint: Checkpoint
+    def __init__(self, checkpoint: _Optional[_Union[Checkpoint, _Mapping]] = ...) -> None: ...
+
+class Checkpoints(_message.Message):
+    __slots__ = ("checkpoints",)
+    CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
+    checkpoints: _containers.RepeatedCompositeFieldContainer[Checkpoint]
+    def __init__(self, checkpoints: _Optional[_Iterable[_Union[Checkpoint, _Mapping]]] = ...) -> None: ...
 
 class Error(_message.Message):
     __slots__ = ("code", "path", "message")

@@ -28,6 +28,8 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_ENDED: _ClassVar[EventKind]
     EVENT_KIND_PARTICLES: _ClassVar[EventKind]
     EVENT_KIND_FIELD: _ClassVar[EventKind]
+    EVENT_KIND_CHECKPOINT: _ClassVar[EventKind]
+    EVENT_KIND_RESTORED: _ClassVar[EventKind]
 
 class Severity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -50,6 +52,8 @@ EVENT_KIND_FAILED: EventKind
 EVENT_KIND_ENDED: EventKind
 EVENT_KIND_PARTICLES: EventKind
 EVENT_KIND_FIELD: EventKind
+EVENT_KIND_CHECKPOINT: EventKind
+EVENT_KIND_RESTORED: EventKind
 SEVERITY_UNSPECIFIED: Severity
 SEVERITY_INFO: Severity
 SEVERITY_WARNING: Severity
@@ -186,7 +190,7 @@ class Features(_message.Message):
     def __init__(self, commands: _Optional[_Iterable[str]] = ..., columns: _Optional[_Iterable[str]] = ..., field_quantities: _Optional[_Iterable[str]] = ..., capabilities: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., scene_schema_json: _Optional[str] = ...) -> None: ...
 
 class Limits(_message.Message):
-    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells")
+    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files")
     MESSAGE_BYTES_FIELD_NUMBER: _ClassVar[int]
     INSERTION_PARTICLES_FIELD_NUMBER: _ClassVar[int]
     PARTICLES_FIELD_NUMBER: _ClassVar[int]
@@ -194,6 +198,9 @@ class Limits(_message.Message):
     REMEMBERED_REQUESTS_FIELD_NUMBER: _ClassVar[int]
     FIELDS_FIELD_NUMBER: _ClassVar[int]
     FIELD_CELLS_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINT_BYTES_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINT_FILES_FIELD_NUMBER: _ClassVar[int]
     message_bytes: int
     insertion_particles: int
     particles: int
@@ -201,7 +208,10 @@ class Limits(_message.Message):
     remembered_requests: int
     fields: int
     field_cells: int
-    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ...) -> None: ...
+    checkpoints: int
+    checkpoint_bytes: int
+    checkpoint_files: int
+    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ..., checkpoints: _Optional[int] = ..., checkpoint_bytes: _Optional[int] = ..., checkpoint_files: _Optional[int] = ...) -> None: ...
 
 class Plan(_message.Message):
     __slots__ = ("lines",)
