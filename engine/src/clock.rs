@@ -80,6 +80,16 @@ impl Clock {
 
     /// Cuts `duration_s` into equal steps not longer than the nominal one and returns their number.
     pub(crate) fn begin_window(&mut self, duration_s: f64) -> Result<u64, InvalidInput> {
+        let steps = self.window_steps(duration_s)?;
+        let start = self.time_s();
+        self.rebase(start, duration_s / steps as f64);
+        let end_step = self.step + steps;
+        self.window = Some(Window { end_step, end_time_s: start + duration_s });
+        Ok(steps)
+    }
+
+    /// Steps that a window of this length is cut into.
+    pub(crate) fn window_steps(&self, duration_s: f64) -> Result<u64, InvalidInput> {
         if !(duration_s > 0.0 && duration_s.is_finite()) {
             return Err(InvalidInput::new("window_s", format!("is {duration_s}; must be finite and above 0")));
         }
@@ -90,12 +100,7 @@ impl Clock {
                 format!("is {duration_s} s, more than 1e15 steps of {} s", self.nominal_time_step_s),
             ));
         }
-        let steps = (quotient * (1.0 - WHOLE_STEPS_TOLERANCE)).ceil().max(1.0);
-        let start = self.time_s();
-        self.rebase(start, duration_s / steps);
-        let end_step = self.step + steps as u64;
-        self.window = Some(Window { end_step, end_time_s: start + duration_s });
-        Ok(steps as u64)
+        Ok((quotient * (1.0 - WHOLE_STEPS_TOLERANCE)).ceil().max(1.0) as u64)
     }
 
     /// Back to the nominal step, from the time reached.

@@ -32,6 +32,7 @@ pub(crate) struct Ledger {
     pub dissipated_local: f64,
     pub work_boundaries: f64,
     pub work_commands: f64,
+    pub work_loads: f64,
     last: Sums,
 }
 
@@ -42,6 +43,7 @@ pack_fields!(Ledger {
     dissipated_local: f64,
     work_boundaries: f64,
     work_commands: f64,
+    work_loads: f64,
     last: Sums,
 });
 

@@ -12,6 +12,7 @@ use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
 use crate::gather::gather;
 use crate::integrate::{self, LocalDamping};
+use crate::loads::Loads;
 use crate::math::Vec3;
 use crate::particles::{ContactMotion, Particles};
 use crate::report::WarningCounts;
@@ -31,6 +32,8 @@ pub struct Engine {
     /// Springs that outlive a change of the particles, until the next rebuild takes them.
     pub(crate) kept_springs: Vec<SpringRecord>,
     pub(crate) ledger: Ledger,
+    /// From outside, where there are any.
+    pub(crate) loads: Option<Loads>,
     /// Of the last evaluation, where the scene damps locally.
     pub(crate) local_damping: LocalDamping,
     pub(crate) warnings: WarningCounts,
@@ -85,6 +88,7 @@ impl Engine {
             sums: Sums::default(),
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
+            loads: None,
             local_damping: LocalDamping::default(),
             warnings: WarningCounts::default(),
             largest_ratio_so_far: 0.0,
@@ -137,6 +141,11 @@ impl Engine {
     /// of [`Engine::step`] the time is the present one plus `duration_s`, to the bit.
     pub fn begin_window(&mut self, duration_s: f64) -> Result<u64, InvalidInput> {
         self.clock.begin_window(duration_s)
+    }
+
+    /// Steps that a window of this length would be cut into.
+    pub fn window_steps(&self, duration_s: f64) -> Result<u64, InvalidInput> {
+        self.clock.window_steps(duration_s)
     }
 
     /// Back to the scene's time step, wherever the window has got to.

@@ -128,12 +128,14 @@ impl Engine {
             dissipated_local_j: ledger.dissipated_local,
             work_boundaries_j: ledger.work_boundaries,
             work_commands_j: ledger.work_commands,
+            work_loads_j: ledger.work_loads,
             residual_j: stored.total()
                 + ledger.dissipated_normal
                 + ledger.dissipated_friction
                 + ledger.dissipated_local
                 - ledger.work_boundaries
                 - ledger.work_commands
+                - ledger.work_loads
                 - ledger.initial,
         }
     }
@@ -214,6 +216,9 @@ impl Engine {
         }
         for boundary in &self.boundaries {
             words(&boundary.state_words());
+        }
+        if let Some(loads) = &self.loads {
+            loads.words(&mut words);
         }
         for record in springs {
             let (a, b, part_a, part_b, feature) = record.key;

@@ -49,6 +49,8 @@ pub enum Verb {
     SetGravity,
     /// Moves a boundary.
     SetMotion,
+    /// Loads particles from outside.
+    SetLoads,
     /// Stops stepping.
     Pause,
     /// Steps freely.
@@ -75,11 +77,12 @@ pub enum Verb {
 
 impl Verb {
     /// All of them.
-    pub const ALL: [Verb; 15] = [
+    pub const ALL: [Verb; 16] = [
         Verb::Insert,
         Verb::Remove,
         Verb::SetGravity,
         Verb::SetMotion,
+        Verb::SetLoads,
         Verb::Pause,
         Verb::Resume,
         Verb::Step,
@@ -100,6 +103,7 @@ impl Verb {
             Verb::Remove => "remove",
             Verb::SetGravity => "set_gravity",
             Verb::SetMotion => "set_motion",
+            Verb::SetLoads => "set_loads",
             Verb::Pause => "pause",
             Verb::Resume => "resume",
             Verb::Step => "step",

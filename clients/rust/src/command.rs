@@ -84,6 +84,11 @@ impl Simulation {
         self.quick(set_motion(boundary, motion.into())).and_then(read)
     }
 
+    /// Replaces the loads from outside from now on: [`crate::Loads`], or the message of the wire.
+    pub fn set_loads(&self, loads: impl Into<v1::Loads>) -> Result<Applied, ClientError> {
+        self.quick(set_loads(loads.into())).and_then(read)
+    }
+
     /// Stops stepping, and ends a window in flight early.
     pub fn pause(&self) -> Result<Applied, ClientError> {
         self.quick(Request::Pause(v1::PauseRequest { header: None })).and_then(read)
@@ -175,6 +180,10 @@ pub(crate) fn set_gravity(gravity_m_per_s2: [f64; 3]) -> Request {
 
 pub(crate) fn set_motion(boundary: &str, motion: v1::Motion) -> Request {
     Request::SetMotion(v1::SetMotionRequest { header: None, boundary: boundary.into(), motion: Some(motion) })
+}
+
+pub(crate) fn set_loads(loads: v1::Loads) -> Request {
+    Request::SetLoads(v1::SetLoadsRequest { header: None, loads: Some(loads) })
 }
 
 pub(crate) fn checkpoint(token: &str, on_disk: bool) -> Request {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use sturz_protocol::{Request, v1};
 
 use crate::bus::Question;
-use crate::command::{checkpoint, define_field, drop_field, remove, set_gravity, set_motion};
+use crate::command::{checkpoint, define_field, drop_field, remove, set_gravity, set_loads, set_motion};
 use crate::error::ClientError;
 use crate::outcome::{Applied, Checkpointed, Inserted, Kind, Removed, accepted, read};
 use crate::simulation::{Simulation, decode};
@@ -57,6 +57,11 @@ impl Later<'_> {
     /// As [`Simulation::set_motion`].
     pub fn set_motion(&self, boundary: &str, motion: impl Into<v1::Motion>) -> Result<Pending<Applied>, ClientError> {
         self.send(set_motion(boundary, motion.into()))
+    }
+
+    /// As [`Simulation::set_loads`].
+    pub fn set_loads(&self, loads: impl Into<v1::Loads>) -> Result<Pending<Applied>, ClientError> {
+        self.send(set_loads(loads.into()))
     }
 
     /// As [`Simulation::checkpoint`], and [`Simulation::checkpoint_on_disk`].

@@ -1,7 +1,7 @@
 //! Saving a run and going on from there, bitwise.
 //!
 //! A checkpoint is a string of bytes with all that decides the future of a run, apart from its scene: particles, ids,
-//! epoch, clock, springs, forces, boundaries and their motions, gravity, energy balance and counters. Taking one does not
+//! epoch, clock, springs, forces, loads, boundaries and their motions, gravity, energy balance and counters. Taking one does not
 //! touch the engine, and an engine of the same scene that restores it has the state hash of the saved one, then and at
 //! every later step, on any number of threads. (The energies of the report are sums in the order of rows, which is
 //! another one after a restore, as after any rebuild of the neighbour list: they agree to rounding.)
@@ -44,6 +44,7 @@ const BOUNDARIES: Tag = *b"WALL";
 const PARTICLES: Tag = *b"PART";
 const SPRINGS: Tag = *b"SPRG";
 const TOUCHING: Tag = *b"TOUC";
+const LOADS: Tag = *b"LOAD";
 
 /// What a checkpoint says of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +104,7 @@ impl Engine {
         writer.section(PARTICLES, &state.particles);
         writer.section(SPRINGS, &state.springs);
         writer.section(TOUCHING, &state.touching);
+        writer.section(LOADS, &state.loads);
         Ok(writer.finish())
     }
 
@@ -122,6 +124,7 @@ impl Engine {
             particles: sections.section(PARTICLES)?,
             springs: sections.section(SPRINGS)?,
             touching: sections.section(TOUCHING)?,
+            loads: sections.section(LOADS)?,
         };
         sections.end()?;
         state.check(&self.scene)?;
@@ -141,7 +144,7 @@ impl Engine {
 
     /// Puts a checked state into an engine without particles; whether all that touches has found its place.
     fn put(&mut self, state: State) -> bool {
-        let State { clock, totals, boundaries, particles, springs, touching } = state;
+        let State { clock, totals, boundaries, particles, springs, touching, loads } = state;
         self.clock = clock;
         self.gravity = totals.gravity;
         self.next_id = totals.next_id;
@@ -151,6 +154,7 @@ impl Engine {
         }
         particles.iter().for_each(|row| row.push(&mut self.particles));
         self.predict_present_motion();
+        self.loads = loads;
         self.kept_springs = springs;
         self.rebuild_neighbours_if_stale(self.clock.time_s());
         self.find_contacts();

@@ -13,6 +13,7 @@ use crate::energy::Ledger;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::integrate::LocalDamping;
+use crate::loads::Loads;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::narrow::FeatureKey;
 use crate::particles::{NewParticle, Particles};
@@ -30,6 +31,7 @@ pub(super) struct State {
     /// Sorted by key.
     pub springs: Vec<SpringRecord>,
     pub touching: Touching,
+    pub loads: Option<Loads>,
 }
 
 /// Single numbers.
@@ -162,6 +164,7 @@ impl State {
                 slots: engine.contacts.saved_slots(particles),
                 spheres: engine.contacts.spheres.saved(particles),
             },
+            loads: engine.loads.clone(),
         }
     }
 
@@ -169,6 +172,7 @@ impl State {
     pub fn check(&self, scene: &Scene) -> Result<(), CheckpointError> {
         self.clock.check(scene.time_step_s())?;
         self.check_boundaries(scene)?;
+        self.loads.as_ref().map_or(Ok(()), Loads::check)?;
         let mut last = None;
         for (k, row) in self.particles.iter().enumerate() {
             let problem = |problem: &str| InvalidInput::new(format!("particles[{k}]"), problem);

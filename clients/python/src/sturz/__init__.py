@@ -21,6 +21,7 @@ from .errors import (
     Timeout,
 )
 from .field import Field, FieldDefinition, FieldMean, Grid
+from .loads import Loads
 from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, launch
 from .state import BoundaryState, ColumnMissing, Header, Shape, State
 from .status import (
@@ -65,6 +66,7 @@ __all__ = [
     "Info",
     "LaunchFailed",
     "Limits",
+    "Loads",
     "NoAnswer",
     "NotConnected",
     "ProtocolError",

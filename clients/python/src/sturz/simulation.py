@@ -24,6 +24,7 @@ from .bus import Bus
 from .daemon import Daemon
 from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, SturzError, Timeout
 from .field import Field, FieldDefinition, grid_from
+from .loads import Loads
 from .progress import ProgressBar, wanted
 from .state import Shape, State
 from .status import Checkpoint, Event, Features, Info, Report
@@ -586,6 +587,10 @@ class Simulation:
     def _set_motion(self, boundary: str, motion: pb.Motion) -> None:
         self._quick("set_motion", pb.SetMotionRequest(boundary=boundary, motion=motion))
 
+    def set_loads(self, loads: Loads) -> None:
+        """Replaces the loads from outside, from now on."""
+        self._quick("set_loads", pb.SetLoadsRequest(loads=loads.to_message()))
+
     def pause(self) -> float:
         """Stops stepping, and ends a window in flight early. Returns the simulated time, s."""
         return float(self._quick("pause", pb.PauseRequest()).sim_time_s)
@@ -609,6 +614,7 @@ class Simulation:
         columns: Iterable[str] = (),
         fields: Iterable[str] = (),
         float_type: FloatType = "f64",
+        loads: Loads | None = None,
         progress: bool | None = False,
         label: str = "advance",
     ) -> Advanced:
@@ -621,6 +627,7 @@ class Simulation:
             columns: of the state to return (see `Features.columns`; ``all`` for every one).
             fields: names of defined fields to return.
             float_type: of the state's floating-point columns.
+            loads: replace those before from the start of the window on; those before go on when absent.
             progress: show a bar with simulated time, speed and time left; None: on a terminal only.
             label: of the bar.
 
@@ -636,6 +643,8 @@ class Simulation:
             float_type=data_pb2.DATA_TYPE_F32 if float_type == "f32" else data_pb2.DATA_TYPE_F64,
         )
         request = pb.AdvanceRequest(from_time_s=start, window_s=window_s, outputs=outputs)
+        if loads is not None:
+            request.loads.CopyFrom(loads.to_message())
         with self._paused_by_interrupt(), self._bar(start, window_s, label if wanted(progress) else None):
             message = self.command("advance", request).advanced
             self._reached(message.time_reached_s)

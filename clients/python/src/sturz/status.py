@@ -327,6 +327,7 @@ class EnergyBalance:
     dissipated_local_j: float
     work_boundaries_j: float
     work_commands_j: float
+    work_loads_j: float
     residual_j: float
 
     def residual_ratio(self) -> float:

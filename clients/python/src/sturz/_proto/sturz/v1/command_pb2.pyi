@@ -271,6 +271,38 @@ class TranslationMotion(_message.Message):
     velocity_m_per_s: _data_pb2.Vec3
     def __init__(self, velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ...) -> None: ...
 
+class Loads(_message.Message):
+    __slots__ = ("topology_epoch", "ids", "force_n", "torque_n_m", "drag_n_s_per_m", "fluid_velocity_m_per_s", "rotational_drag_n_m_s", "fluid_angular_velocity_rad_per_s", "ramp_s", "valid_until_s")
+    TOPOLOGY_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    IDS_FIELD_NUMBER: _ClassVar[int]
+    FORCE_N_FIELD_NUMBER: _ClassVar[int]
+    TORQUE_N_M_FIELD_NUMBER: _ClassVar[int]
+    DRAG_N_S_PER_M_FIELD_NUMBER: _ClassVar[int]
+    FLUID_VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    ROTATIONAL_DRAG_N_M_S_FIELD_NUMBER: _ClassVar[int]
+    FLUID_ANGULAR_VELOCITY_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    RAMP_S_FIELD_NUMBER: _ClassVar[int]
+    VALID_UNTIL_S_FIELD_NUMBER: _ClassVar[int]
+    topology_epoch: int
+    ids: _data_pb2.Column
+    force_n: _data_pb2.Column
+    torque_n_m: _data_pb2.Column
+    drag_n_s_per_m: _data_pb2.Column
+    fluid_velocity_m_per_s: _data_pb2.Column
+    rotational_drag_n_m_s: _data_pb2.Column
+    fluid_angular_velocity_rad_per_s: _data_pb2.Column
+    ramp_s: float
+    valid_until_s: float
+    def __init__(self, topology_epoch: _Optional[int] = ..., ids: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., force_n: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., torque_n_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., drag_n_s_per_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., fluid_velocity_m_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., rotational_drag_n_m_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., fluid_angular_velocity_rad_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., ramp_s: _Optional[float] = ..., valid_until_s: _Optional[float] = ...) -> None: ...
+
+class SetLoadsRequest(_message.Message):
+    __slots__ = ("header", "loads")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    LOADS_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    loads: Loads
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
+
 class PauseRequest(_message.Message):
     __slots__ = ("header",)
     HEADER_FIELD_NUMBER: _ClassVar[int]
@@ -292,18 +324,20 @@ class StepRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., steps: _Optional[int] = ...) -> None: ...
 
 class AdvanceRequest(_message.Message):
-    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs")
+    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs", "loads")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
     FROM_STEP_FIELD_NUMBER: _ClassVar[int]
     WINDOW_S_FIELD_NUMBER: _ClassVar[int]
     OUTPUTS_FIELD_NUMBER: _ClassVar[int]
+    LOADS_FIELD_NUMBER: _ClassVar[int]
     header: CommandHeader
     from_time_s: float
     from_step: int
     window_s: float
     outputs: Outputs
-    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ...) -> None: ...
+    loads: Loads
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
 
 class Outputs(_message.Message):
     __slots__ = ("columns", "fields", "float_type")
