@@ -17,6 +17,7 @@ impl Engine {
             Command::Remove(ids) => self.remove(ids),
             Command::SetGravity(gravity) => self.set_gravity(gravity),
             Command::SetMotion { boundary, motion } => self.set_motion(boundary, motion),
+            Command::SetLoads(loads) => self.set_loads(loads).map(|()| Effect::LoadsSet),
         }
     }
 

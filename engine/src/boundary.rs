@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::checkpoint::codec::pack_fields;
 use crate::math::{Mat3, Quat, Similarity, Vec3};
 use crate::mesh::Mesh;
 use crate::narrow::{self, Manifold};
@@ -112,6 +113,51 @@ struct Motion {
     /// Angular velocity about the new axis when the motion was set.
     start_rate: f64,
     description: MotionDescription,
+}
+
+/// Where a boundary is and how it moves: what its scene does not say of it.
+pub(crate) struct BoundaryMotion {
+    point: Vec3,
+    pub(crate) rotation: Mat3,
+    angle: f64,
+    velocity: Vec3,
+    angular_velocity: Vec3,
+    pivot: Vec3,
+    motion: Motion,
+}
+
+pack_fields!(BoundaryMotion {
+    point: Vec3,
+    rotation: Mat3,
+    angle: f64,
+    velocity: Vec3,
+    angular_velocity: Vec3,
+    pivot: Vec3,
+    motion: Motion,
+});
+pack_fields!(Motion {
+    start_time_s: f64,
+    start_point: Vec3,
+    start_rotation: Mat3,
+    start_angle: f64,
+    start_rate: f64,
+    description: MotionDescription,
+});
+
+impl BoundaryMotion {
+    pub(crate) fn description(&self) -> &MotionDescription {
+        &self.motion.description
+    }
+
+    /// The description apart.
+    pub(crate) fn is_finite(&self) -> bool {
+        let motion = &self.motion;
+        let numbers = [self.angle, motion.start_time_s, motion.start_angle, motion.start_rate];
+        let vectors = [&self.point, &self.velocity, &self.angular_velocity, &self.pivot, &motion.start_point];
+        let frames = [&self.rotation, &motion.start_rotation];
+        let all = numbers.iter().chain(vectors.into_iter().flatten()).chain(frames.into_iter().flatten());
+        all.into_iter().all(|number| number.is_finite())
+    }
 }
 
 /// Unit vector of an array that validation has shown not to be zero.
@@ -411,6 +457,30 @@ impl Boundary {
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(self.rotation);
         let q = Quat::from_rotation_matrix(&rotation);
         [q.w, q.i, q.j, q.k]
+    }
+
+    /// For checkpoints.
+    pub(crate) fn present_motion(&self) -> BoundaryMotion {
+        BoundaryMotion {
+            point: self.point,
+            rotation: self.rotation,
+            angle: self.angle,
+            velocity: self.velocity,
+            angular_velocity: self.angular_velocity,
+            pivot: self.pivot,
+            motion: self.motion.clone(),
+        }
+    }
+
+    /// From a checkpoint.
+    pub(crate) fn set_present_motion(&mut self, saved: BoundaryMotion) {
+        self.point = saved.point;
+        self.rotation = saved.rotation;
+        self.angle = saved.angle;
+        self.velocity = saved.velocity;
+        self.angular_velocity = saved.angular_velocity;
+        self.pivot = saved.pivot;
+        self.motion = saved.motion;
     }
 
     /// Numbers that determine the boundary's future, for the state hash and checkpoints; the velocity of a servo's next

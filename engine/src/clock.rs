@@ -1,5 +1,6 @@
 //! Time as (base time, base step, dt): never a running sum, so that 1e6 windows leave no drift.
 
+use crate::checkpoint::codec::pack_fields;
 use crate::error::InvalidInput;
 
 /// Simulated time of the steps.
@@ -19,6 +20,16 @@ struct Window {
     end_step: u64,
     end_time_s: f64,
 }
+
+pack_fields!(Clock {
+    base_time_s: f64,
+    base_step: u64,
+    step: u64,
+    time_step_s: f64,
+    nominal_time_step_s: f64,
+    window: Option<Window>,
+});
+pack_fields!(Window { end_step: u64, end_time_s: f64 });
 
 /// Relative excess of window / step that still counts as a whole number of steps: rounding of the quotient.
 const WHOLE_STEPS_TOLERANCE: f64 = 1e-9;
@@ -57,6 +68,11 @@ impl Clock {
         self.nominal_time_step_s
     }
 
+    /// Whether a window has begun and not ended.
+    pub fn is_in_window(&self) -> bool {
+        self.window.is_some()
+    }
+
     /// One step was done.
     pub(crate) fn advance(&mut self) {
         self.step += 1;
@@ -64,6 +80,16 @@ impl Clock {
 
     /// Cuts `duration_s` into equal steps not longer than the nominal one and returns their number.
     pub(crate) fn begin_window(&mut self, duration_s: f64) -> Result<u64, InvalidInput> {
+        let steps = self.window_steps(duration_s)?;
+        let start = self.time_s();
+        self.rebase(start, duration_s / steps as f64);
+        let end_step = self.step + steps;
+        self.window = Some(Window { end_step, end_time_s: start + duration_s });
+        Ok(steps)
+    }
+
+    /// Steps that a window of this length is cut into.
+    pub(crate) fn window_steps(&self, duration_s: f64) -> Result<u64, InvalidInput> {
         if !(duration_s > 0.0 && duration_s.is_finite()) {
             return Err(InvalidInput::new("window_s", format!("is {duration_s}; must be finite and above 0")));
         }
@@ -74,12 +100,7 @@ impl Clock {
                 format!("is {duration_s} s, more than 1e15 steps of {} s", self.nominal_time_step_s),
             ));
         }
-        let steps = (quotient * (1.0 - WHOLE_STEPS_TOLERANCE)).ceil().max(1.0);
-        let start = self.time_s();
-        self.rebase(start, duration_s / steps);
-        let end_step = self.step + steps as u64;
-        self.window = Some(Window { end_step, end_time_s: start + duration_s });
-        Ok(steps as u64)
+        Ok((quotient * (1.0 - WHOLE_STEPS_TOLERANCE)).ceil().max(1.0) as u64)
     }
 
     /// Back to the nominal step, from the time reached.
@@ -87,6 +108,25 @@ impl Clock {
         let now = self.time_s();
         self.rebase(now, self.nominal_time_step_s);
         self.window = None;
+    }
+
+    /// Whether an engine of this nominal step may have it.
+    pub(crate) fn check(&self, nominal_time_step_s: f64) -> Result<(), InvalidInput> {
+        let error = |problem: String| Err(InvalidInput::new("clock", problem));
+        let Self { base_time_s, base_step, step, time_step_s, .. } = *self;
+        if self.nominal_time_step_s != nominal_time_step_s {
+            return error(format!(
+                "has a time step of {} s, the scene {nominal_time_step_s} s",
+                self.nominal_time_step_s
+            ));
+        }
+        let in_use = time_step_s > 0.0 && time_step_s <= nominal_time_step_s * (1.0 + WHOLE_STEPS_TOLERANCE);
+        let window = self.window.is_none_or(|window| window.end_step >= step && window.end_time_s.is_finite());
+        if base_time_s.is_finite() && step >= base_step && step < u64::MAX / 2 && in_use && window {
+            Ok(())
+        } else {
+            error(format!("is {self:?}"))
+        }
     }
 
     fn rebase(&mut self, time_s: f64, time_step_s: f64) {

@@ -1,5 +1,6 @@
 //! The closed set of changes that a client may ask of a running engine.
 
+use crate::loads::LoadDescription;
 use crate::scene::{InsertionDescription, MotionDescription};
 
 /// A change, applied between two steps: wholly or not at all.
@@ -18,6 +19,8 @@ pub enum Command {
         /// Its motion.
         motion: MotionDescription,
     },
+    /// Replaces the loads from outside, from the present time on.
+    SetLoads(LoadDescription),
 }
 
 /// What an applied command did.
@@ -39,4 +42,6 @@ pub enum Effect {
     GravitySet,
     /// The motion was set.
     MotionSet,
+    /// The loads were set.
+    LoadsSet,
 }

@@ -1,5 +1,6 @@
 //! The energy balance: what is stored, what was taken out, what was put in.
 
+use crate::checkpoint::codec::pack_fields;
 use crate::contact::Sums;
 use crate::engine::Engine;
 use crate::math::Vec3;
@@ -31,8 +32,20 @@ pub(crate) struct Ledger {
     pub dissipated_local: f64,
     pub work_boundaries: f64,
     pub work_commands: f64,
+    pub work_loads: f64,
     last: Sums,
 }
+
+pack_fields!(Ledger {
+    initial: f64,
+    dissipated_normal: f64,
+    dissipated_friction: f64,
+    dissipated_local: f64,
+    work_boundaries: f64,
+    work_commands: f64,
+    work_loads: f64,
+    last: Sums,
+});
 
 impl Ledger {
     /// Forces were evaluated anew without a step.

@@ -1,6 +1,6 @@
 //! The owner of all state. Synchronous, deterministic, without I/O.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -12,6 +12,7 @@ use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
 use crate::gather::gather;
 use crate::integrate::{self, LocalDamping};
+use crate::loads::Loads;
 use crate::math::Vec3;
 use crate::particles::{ContactMotion, Particles};
 use crate::report::WarningCounts;
@@ -31,6 +32,8 @@ pub struct Engine {
     /// Springs that outlive a change of the particles, until the next rebuild takes them.
     pub(crate) kept_springs: Vec<SpringRecord>,
     pub(crate) ledger: Ledger,
+    /// From outside, where there are any.
+    pub(crate) loads: Option<Loads>,
     /// Of the last evaluation, where the scene damps locally.
     pub(crate) local_damping: LocalDamping,
     pub(crate) warnings: WarningCounts,
@@ -40,6 +43,8 @@ pub struct Engine {
     pub(crate) failure: Option<StepError>,
     /// Before step 0: polyhedra meet by points, whatever their law, which may end before they are apart.
     pub(crate) relaxing: bool,
+    /// Of the scene, once a checkpoint has asked for it.
+    pub(crate) layout: OnceLock<[u64; 8]>,
     pool: Arc<ThreadPool>,
     timer: Option<Box<dyn StageTimer>>,
 }
@@ -63,33 +68,51 @@ fn pool(threads: usize) -> Arc<ThreadPool> {
 impl Engine {
     /// Starts the scene at step 0, on one thread, after its `[relax]`: if that fails, the first step says so.
     pub fn new(scene: Scene) -> Self {
-        let mut particles = Particles::default();
-        scene.particles().iter().for_each(|particle| particles.push(particle));
-        let mut engine = Self {
+        let mut engine = Self::blank(Arc::new(scene), pool(1));
+        let scene = Arc::clone(&engine.scene);
+        scene.particles().iter().for_each(|particle| engine.particles.push(particle));
+        engine.next_id = scene.particles().len() as u64;
+        engine.failure = engine.in_pool(Self::relax).err();
+        engine.in_pool(Self::prepare);
+        engine.ledger.initial = engine.mechanical_energy().total();
+        engine
+    }
+
+    /// The scene at step 0 without its particles, and without forces.
+    fn blank(scene: Arc<Scene>, pool: Arc<ThreadPool>) -> Self {
+        Self {
             clock: Clock::new(scene.time_step_s()),
             gravity: Vec3::from(scene.description().scene.gravity_m_per_s2),
-            next_id: scene.particles().len() as u64,
+            next_id: 0,
             boundaries: scene.boundaries().to_vec(),
-            particles,
+            particles: Particles::default(),
             neighbours: Neighbours::default(),
             contacts: ContactTable { keeps_bonds: scene.plan().bonds, ..ContactTable::default() },
             sums: Sums::default(),
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
+            loads: None,
             local_damping: LocalDamping::default(),
             warnings: WarningCounts::default(),
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
             failure: None,
             relaxing: false,
-            pool: pool(1),
+            layout: OnceLock::new(),
+            pool,
             timer: None,
-            scene: Arc::new(scene),
-        };
-        engine.failure = engine.in_pool(Self::relax).err();
-        engine.in_pool(Self::prepare);
-        engine.ledger.initial = engine.mechanical_energy().total();
-        engine
+            scene,
+        }
+    }
+
+    /// The same scene at step 0, without particles and without a timer, on the same threads.
+    pub(crate) fn blank_twin(&self) -> Self {
+        Self { layout: self.layout.clone(), ..Self::blank(Arc::clone(&self.scene), Arc::clone(&self.pool)) }
+    }
+
+    /// Takes over all but the timer.
+    pub(crate) fn become_twin(&mut self, twin: Self) {
+        *self = Self { timer: self.timer.take(), ..twin };
     }
 
     /// Threads of the physics; the results do not depend on it.
@@ -125,6 +148,11 @@ impl Engine {
     /// of [`Engine::step`] the time is the present one plus `duration_s`, to the bit.
     pub fn begin_window(&mut self, duration_s: f64) -> Result<u64, InvalidInput> {
         self.clock.begin_window(duration_s)
+    }
+
+    /// Steps that a window of this length would be cut into.
+    pub fn window_steps(&self, duration_s: f64) -> Result<u64, InvalidInput> {
+        self.clock.window_steps(duration_s)
     }
 
     /// Back to the scene's time step, wherever the window has got to.
@@ -171,6 +199,19 @@ impl Engine {
     /// Forces at the present state without a step: at the start, and after the particles have changed.
     pub(crate) fn prepare(&mut self) {
         self.neighbours.invalidate();
+        self.predict_present_motion();
+        self.wrap_into_cell();
+        self.rebuild_neighbours_if_stale(self.clock.time_s());
+        self.find_contacts();
+        self.evaluate_with(0.0);
+        self.gather_forces();
+        self.damp_locally(0.0);
+        self.sums = self.contacts.sums();
+        self.ledger.restart(&self.sums);
+    }
+
+    /// Velocities that the contact laws see, where there was no step before.
+    pub(crate) fn predict_present_motion(&mut self) {
         for row in 0..self.particles.n_owned() {
             let velocity = self.particles.velocity[row];
             let angular_velocity = self.particles.angular_velocity(row);
@@ -181,14 +222,6 @@ impl Engine {
                 mean_angular_velocity: angular_velocity,
             };
         }
-        self.wrap_into_cell();
-        self.rebuild_neighbours_if_stale(self.clock.time_s());
-        self.find_contacts();
-        self.evaluate_with(0.0);
-        self.gather_forces();
-        self.damp_locally(0.0);
-        self.sums = self.contacts.sums();
-        self.ledger.restart(&self.sums);
     }
 
     pub(crate) fn begin_timing(&mut self) {
@@ -242,8 +275,8 @@ impl Engine {
         };
         let Self { particles, contacts, neighbours, .. } = self;
         if !neighbours.is_stale(particles, &inputs) {
-            // A sphere's image is read by place only.
-            if !scene.plan().all_spheres {
+            // The sphere batch reads images by place only.
+            if !(scene.plan().all_spheres && scene.plan().sphere_batch) {
                 particles.update_ghosts();
             }
             return particles.update_places(!contacts.spheres.is_empty());

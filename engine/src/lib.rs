@@ -13,6 +13,7 @@
 //! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
 //! | [`mesh_file`] | OBJ and STL files, and the convex parts that they describe |
 //! | [`fields`] | coarse graining |
+//! | [`checkpoint`] | saving a run and going on from there, bitwise |
 //!
 //! ```
 //! use sturz_engine::{Engine, scene::{Scene, SceneDescription}};
@@ -52,6 +53,7 @@ mod apply;
 pub mod boundary;
 pub mod broad;
 pub mod cell;
+pub mod checkpoint;
 pub mod clock;
 pub mod command;
 pub mod contact;
@@ -62,6 +64,7 @@ pub mod fields;
 mod gather;
 pub mod insertion;
 pub mod integrate;
+mod loads;
 pub mod math;
 pub mod mesh;
 pub mod mesh_file;
@@ -79,10 +82,12 @@ mod step;
 pub mod timing;
 mod view;
 
+pub use checkpoint::{CheckpointError, CheckpointSummary};
 pub use clock::Clock;
 pub use command::{Command, Effect};
 pub use engine::Engine;
 pub use error::{InvalidInput, InvalidScene, StepError};
+pub use loads::LoadDescription;
 pub use report::{EnergyBalance, Report, WarningCounts};
 pub use snapshot::{BoundaryState, Snapshot};
 pub use timing::{Stage, StageTimer};

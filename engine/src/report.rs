@@ -23,6 +23,8 @@ pub struct EnergyBalance {
     pub work_boundaries_j: f64,
     /// Brought in by commands: insertion, removal, change of gravity.
     pub work_commands_j: f64,
+    /// Done by loads from outside.
+    pub work_loads_j: f64,
     /// Kinetic + potential + elastic + dissipated - work, less its value at the start: 0 when the balance closes.
     pub residual_j: f64,
 }

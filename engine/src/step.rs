@@ -10,7 +10,9 @@ impl Engine {
         self.begin_timing();
 
         // From step n to n+1: positions first, with the forces of step n.
+        self.load_first_half();
         self.half_kick_and_drift();
+        self.unload_first_half();
         self.wrap_into_cell();
         self.drive_servos();
         self.move_boundaries();
@@ -31,7 +33,9 @@ impl Engine {
         self.damp_locally(self.clock.time_step_s());
         self.lap(Stage::Gather);
 
+        self.load_second_half();
         self.half_kick();
+        self.unload();
         self.advance_clock();
         let outcome = self.guard();
         self.lap(Stage::Kick);

@@ -3,6 +3,7 @@
 use xxhash_rust::xxh3::Xxh3;
 
 use crate::boundary::WallSide;
+use crate::contact::SpringRecord;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::fields::{self, FieldDefinition, FieldFrame, FieldSample};
@@ -127,12 +128,14 @@ impl Engine {
             dissipated_local_j: ledger.dissipated_local,
             work_boundaries_j: ledger.work_boundaries,
             work_commands_j: ledger.work_commands,
+            work_loads_j: ledger.work_loads,
             residual_j: stored.total()
                 + ledger.dissipated_normal
                 + ledger.dissipated_friction
                 + ledger.dissipated_local
                 - ledger.work_boundaries
                 - ledger.work_commands
+                - ledger.work_loads
                 - ledger.initial,
         }
     }
@@ -189,6 +192,11 @@ impl Engine {
     /// Hash of everything that decides the future, in the order of ids: equal on any number of threads, whoever
     /// listens, and whenever the caches were dropped.
     pub fn state_hash(&self) -> u64 {
+        self.hash_with(&self.contacts.springs(&self.particles))
+    }
+
+    /// The same with the springs at hand, sorted by key.
+    pub(crate) fn hash_with(&self, springs: &[SpringRecord]) -> u64 {
         let particles = &self.particles;
         let mut hash = Xxh3::new();
         let mut words = |values: &[f64]| values.iter().for_each(|v| hash.update(&v.to_bits().to_le_bytes()));
@@ -209,7 +217,10 @@ impl Engine {
         for boundary in &self.boundaries {
             words(&boundary.state_words());
         }
-        for record in self.contacts.springs(particles) {
+        if let Some(loads) = &self.loads {
+            loads.words(&mut words);
+        }
+        for record in springs {
             let (a, b, part_a, part_b, feature) = record.key;
             words(&[a as f64, b as f64, f64::from(part_a), f64::from(part_b), f64::from(feature.0)]);
             words(record.spring.as_slice());

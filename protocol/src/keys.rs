@@ -8,7 +8,7 @@
 //! | `state/latest?columns=a\|b;float=f32` | query | `Frame` |
 //! | `field/<name>/latest` | query | `FieldFrame` |
 //! | `state/frame`, `field/<name>`, `report` | publication | `Frame`, `FieldFrame`, `Report` |
-//! | `event/{command, run, particles, field}` | advanced publication | `Event` |
+//! | `event/{command, run, particles, field, checkpoint}` | advanced publication | `Event` |
 //! | `alive` | liveliness token | |
 
 use thiserror::Error;
@@ -49,6 +49,8 @@ pub enum Verb {
     SetGravity,
     /// Moves a boundary.
     SetMotion,
+    /// Loads particles from outside.
+    SetLoads,
     /// Stops stepping.
     Pause,
     /// Steps freely.
@@ -61,23 +63,36 @@ pub enum Verb {
     DefineField,
     /// Forgets a field.
     DropField,
+    /// Saves the state.
+    Checkpoint,
+    /// Goes back to a saved state.
+    Restore,
+    /// Names the saved states.
+    ListCheckpoints,
+    /// Forgets a saved state.
+    DropCheckpoint,
     /// Ends the daemon.
     Stop,
 }
 
 impl Verb {
     /// All of them.
-    pub const ALL: [Verb; 11] = [
+    pub const ALL: [Verb; 16] = [
         Verb::Insert,
         Verb::Remove,
         Verb::SetGravity,
         Verb::SetMotion,
+        Verb::SetLoads,
         Verb::Pause,
         Verb::Resume,
         Verb::Step,
         Verb::Advance,
         Verb::DefineField,
         Verb::DropField,
+        Verb::Checkpoint,
+        Verb::Restore,
+        Verb::ListCheckpoints,
+        Verb::DropCheckpoint,
         Verb::Stop,
     ];
 
@@ -88,12 +103,17 @@ impl Verb {
             Verb::Remove => "remove",
             Verb::SetGravity => "set_gravity",
             Verb::SetMotion => "set_motion",
+            Verb::SetLoads => "set_loads",
             Verb::Pause => "pause",
             Verb::Resume => "resume",
             Verb::Step => "step",
             Verb::Advance => "advance",
             Verb::DefineField => "define_field",
             Verb::DropField => "drop_field",
+            Verb::Checkpoint => "checkpoint",
+            Verb::Restore => "restore",
+            Verb::ListCheckpoints => "list_checkpoints",
+            Verb::DropCheckpoint => "drop_checkpoint",
             Verb::Stop => "stop",
         }
     }

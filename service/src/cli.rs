@@ -79,6 +79,9 @@ pub struct Serve {
     /// A TOML file with limits on what clients may ask for
     #[arg(long, value_name = "FILE", help_heading = "Bus")]
     pub limits: Option<PathBuf>,
+    /// Folder for checkpoints on disk; made if need be. Those that are there can be restored
+    #[arg(long, env = "STURZ_CHECKPOINTS", value_name = "DIR")]
+    pub checkpoints: Option<PathBuf>,
     /// Threads of the physics
     #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,

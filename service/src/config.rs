@@ -34,6 +34,12 @@ pub struct Limits {
     pub field_cells: u64,
     /// Events kept for those who come late.
     pub remembered_events: usize,
+    /// Checkpoints in memory.
+    pub checkpoints: usize,
+    /// Of all checkpoints in memory together. A particle takes some 230 bytes, a contact some 130.
+    pub checkpoint_bytes: u64,
+    /// Checkpoints on disk.
+    pub checkpoint_files: usize,
 }
 
 impl Default for Limits {
@@ -48,6 +54,9 @@ impl Default for Limits {
             fields: 64,
             field_cells: 4_000_000,
             remembered_events: 256,
+            checkpoints: 16,
+            checkpoint_bytes: 2 << 30,
+            checkpoint_files: 100,
         }
     }
 }
@@ -76,6 +85,9 @@ impl Limits {
             remembered_requests: self.remembered_requests as u64,
             fields: self.fields as u64,
             field_cells: self.field_cells,
+            checkpoints: self.checkpoints as u64,
+            checkpoint_bytes: self.checkpoint_bytes,
+            checkpoint_files: self.checkpoint_files as u64,
         }
     }
 }

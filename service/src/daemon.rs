@@ -1,6 +1,7 @@
 //! A simulation on the bus: wiring, start and end.
 
 use std::io::Read as _;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread;
@@ -15,6 +16,8 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::{Semaphore, mpsc, oneshot};
 use zenoh::Session;
 
+use crate::archive::Archive;
+use crate::checkpoints::Checkpoints;
 use crate::config::{Bus, Limits};
 use crate::intake::{self, Io};
 use crate::mailbox::{Inbox, mailbox};
@@ -48,6 +51,8 @@ pub struct Options {
     pub threads: usize,
     /// Wait for commands at the start.
     pub paused: bool,
+    /// Folder for checkpoints on disk.
+    pub checkpoints: Option<PathBuf>,
     /// End when standard input does: with whoever started this process.
     pub stop_on_stdin_eof: bool,
 }
@@ -119,7 +124,9 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let (more_events, last) = oneshot::channel::<()>();
     let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard, last);
     let stop_on_stdin_eof = options.stop_on_stdin_eof;
-    let mut ended = start_physics(scene, options, inbox, outbox, Arc::clone(&shared))?;
+    let archive = options.checkpoints.as_deref().map(|folder| Archive::open(folder, letters.clone())).transpose()?;
+    let checkpoints = Checkpoints::new(archive);
+    let mut ended = start_physics(scene, options, (inbox, outbox), checkpoints, Arc::clone(&shared))?;
     let intake = intake::open(&session, Arc::clone(&io)).await?;
     let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
     ready(&describe(&session, &keys, run_id).await);
@@ -181,8 +188,8 @@ async fn describe(session: &Session, keys: &Keys, run_id: String) -> Ready {
 fn start_physics(
     scene: Scene,
     options: Options,
-    inbox: Inbox,
-    mut outbox: Outbox,
+    (inbox, mut outbox): (Inbox, Outbox),
+    checkpoints: Checkpoints,
     shared: Arc<Shared>,
 ) -> anyhow::Result<oneshot::Receiver<()>> {
     let (ending, ended) = oneshot::channel();
@@ -204,6 +211,7 @@ fn start_physics(
                 window: None,
                 memory: RequestMemory::new(options.limits.remembered_requests),
                 schedule: Schedule::default(),
+                checkpoints,
                 meter: Meter::new(totals),
                 revision: 0,
                 stop_time_s,

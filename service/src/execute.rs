@@ -1,7 +1,7 @@
 //! What each order does, on the physics thread, between two steps.
 
 use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, Scene};
-use sturz_engine::{Command, Effect, InvalidInput};
+use sturz_engine::{Command, Effect, InvalidInput, LoadDescription};
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
@@ -74,14 +74,19 @@ impl Runner<'_> {
             Body::Resume => self.resume(),
             Body::DefineField(definition) => self.define_field(definition),
             Body::DropField { name } => self.drop_field(&name),
+            Body::Checkpoint { token, on_disk } => return self.checkpoint(token, on_disk, ticket),
+            Body::Restore { token } => self.restore(&token),
+            Body::ListCheckpoints => Ok(self.list_checkpoints()),
+            Body::DropCheckpoint { token } => self.drop_checkpoint(&token),
             Body::Stop => {
                 self.phase = Phase::Ended;
                 Ok(Wire::Applied(v1::Applied {}))
             }
             Body::Step { steps } => return self.begin_steps(steps, ticket),
-            Body::Advance { start, window_s, outputs } => {
+            Body::Advance { start, window_s, outputs, loads } => {
                 let ready = self.check_ready().and_then(|()| check_start(start, self.moment()));
-                return match ready.and_then(|()| self.check_fields(&outputs)) {
+                let ready = ready.and_then(|()| self.check_fields(&outputs));
+                return match ready.and_then(|()| self.load_window(window_s, loads)) {
                     Ok(()) => self.begin_window(window_s, outputs, ticket),
                     Err(error) => self.refuse(ticket, error),
                 };
@@ -96,7 +101,7 @@ impl Runner<'_> {
         }
     }
 
-    fn refuse(&mut self, ticket: Ticket, error: v1::Error) {
+    pub(crate) fn refuse(&mut self, ticket: Ticket, error: v1::Error) {
         let moment = self.moment();
         ticket.settle(&mut self.memory, moment, Wire::Error(error), None);
     }
@@ -110,7 +115,7 @@ impl Runner<'_> {
         match effect {
             Effect::Inserted { count, .. } => self.announce_particles(format!("{count} particles were inserted")),
             Effect::Removed { count } => self.announce_particles(format!("{count} particles were removed")),
-            Effect::GravitySet | Effect::MotionSet => {}
+            Effect::GravitySet | Effect::MotionSet | Effect::LoadsSet => {}
         }
         Ok(effect_to_wire(&effect))
     }
@@ -154,6 +159,11 @@ impl Runner<'_> {
         if let Phase::Failed(reason) = &self.phase {
             return Err(error(v1::ErrorCode::RunFailed, "", reason.clone()));
         }
+        self.check_no_window()
+    }
+
+    /// Refuses where another client's window is under way.
+    pub(crate) fn check_no_window(&self) -> Result<(), v1::Error> {
         if let Some(window) = &self.window {
             let text = format!(
                 "another {} is under way: {} of {} steps are done",
@@ -215,6 +225,12 @@ impl Runner<'_> {
         }
     }
 
+    /// Sets the loads of a window that is sure to begin.
+    fn load_window(&mut self, window_s: f64, loads: Option<Box<LoadDescription>>) -> Result<(), v1::Error> {
+        self.engine.window_steps(window_s).map_err(invalid)?;
+        loads.map_or(Ok(()), |loads| self.change(&Command::SetLoads(*loads)).map(drop))
+    }
+
     fn set_window(&mut self, window: Window) {
         self.window = Some(window);
         self.revision += 1;
@@ -255,6 +271,7 @@ fn refused(command: &Command, mut input: InvalidInput) -> v1::Error {
         Command::SetMotion { motion, .. } => motion_path(motion, tail(&input.path, "set_motion")),
         Command::Remove(_) => tail(&input.path, "remove").into(),
         Command::SetGravity(_) => tail(&input.path, "set_gravity").into(),
+        Command::SetLoads(_) => format!("loads.{}", tail(&input.path, "set_loads")),
     };
     input.path = path;
     invalid(input)

@@ -6,6 +6,8 @@
 
 pub mod advance;
 mod answer;
+pub mod archive;
+pub mod checkpoints;
 pub mod cli;
 pub mod commands;
 pub mod config;
@@ -19,6 +21,7 @@ pub mod order;
 pub mod outbox;
 pub mod publish;
 pub mod reply;
+mod rewind;
 pub mod runner;
 pub mod scenes;
 pub mod schedule;

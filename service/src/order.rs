@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use sturz_engine::fields::FieldDefinition;
 use sturz_engine::scene::{InsertionDescription, Placement};
-use sturz_engine::{Command, InvalidInput};
+use sturz_engine::{Command, InvalidInput, LoadDescription};
 use sturz_protocol::convert::{self, FloatType, ParticleColumn, Start};
 use sturz_protocol::keys::{MAX_NAME_BYTES, Verb, check_name};
 use sturz_protocol::{Request, v1};
@@ -57,6 +57,8 @@ pub enum Body {
         window_s: f64,
         /// Data for the reply.
         outputs: Outputs,
+        /// Instead of those before.
+        loads: Option<Box<LoadDescription>>,
     },
     /// Define or replace a field.
     DefineField(FieldDefinition),
@@ -64,6 +66,25 @@ pub enum Body {
     DropField {
         /// Its name.
         name: String,
+    },
+    /// Save the state.
+    Checkpoint {
+        /// Empty: to be made.
+        token: String,
+        /// As a file, else in memory.
+        on_disk: bool,
+    },
+    /// Go to a saved state.
+    Restore {
+        /// Which.
+        token: String,
+    },
+    /// Name the saved states.
+    ListCheckpoints,
+    /// Forget a saved state.
+    DropCheckpoint {
+        /// Which.
+        token: String,
     },
     /// End the daemon.
     Stop,
@@ -141,13 +162,23 @@ fn check_key(key: &RequestKey) -> Result<(), v1::Error> {
     Ok(())
 }
 
+/// Commands that cannot wait for a simulated time.
+const AT_ONCE: [Verb; 8] = [
+    Verb::Pause,
+    Verb::Resume,
+    Verb::Step,
+    Verb::Advance,
+    Verb::Restore,
+    Verb::ListCheckpoints,
+    Verb::DropCheckpoint,
+    Verb::Stop,
+];
+
 fn check_time(verb: Verb, at_time_s: Option<f64>) -> Result<(), v1::Error> {
     let refuse = |text: String| Err(error(v1::ErrorCode::InvalidInput, "header.at_time_s", text));
     match at_time_s {
         Some(time) if !time.is_finite() => refuse(format!("is {time}, must be finite")),
-        Some(_) if matches!(verb, Verb::Pause | Verb::Resume | Verb::Step | Verb::Advance | Verb::Stop) => {
-            refuse(format!("is not for {}: it takes effect at once", verb.name()))
-        }
+        Some(_) if AT_ONCE.contains(&verb) => refuse(format!("is not for {}: it takes effect at once", verb.name())),
         _ => Ok(()),
     }
 }
@@ -168,6 +199,11 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
             let motion = convert::motion_from_wire(request).map_err(invalid)?;
             Ok(Body::Change(Command::SetMotion { boundary: request.boundary.clone(), motion }))
         }
+        Request::SetLoads(request) => {
+            let loads = request.loads.as_ref();
+            let loads = loads.ok_or_else(|| error(v1::ErrorCode::InvalidInput, "loads", "is missing"))?;
+            Ok(Body::Change(Command::SetLoads(convert::loads_from_wire(loads, "loads").map_err(invalid)?)))
+        }
         Request::Pause(_) => Ok(Body::Pause),
         Request::Resume(_) => Ok(Body::Resume),
         Request::Step(request) if request.steps == 0 => {
@@ -177,8 +213,21 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
         Request::Advance(request) => advance_body(request),
         Request::DefineField(request) => define_field_body(request, limits),
         Request::DropField(request) => Ok(Body::DropField { name: request.name.clone() }),
+        Request::Checkpoint(request) => {
+            let token = if request.token.is_empty() { String::new() } else { token(&request.token)? };
+            Ok(Body::Checkpoint { token, on_disk: request.on_disk })
+        }
+        Request::Restore(request) => Ok(Body::Restore { token: token(&request.token)? }),
+        Request::ListCheckpoints(_) => Ok(Body::ListCheckpoints),
+        Request::DropCheckpoint(request) => Ok(Body::DropCheckpoint { token: token(&request.token)? }),
         Request::Stop(_) => Ok(Body::Stop),
     }
+}
+
+/// It may become the name of a file.
+fn token(name: &str) -> Result<String, v1::Error> {
+    let checked = check_name(name).map_err(|problem| error(v1::ErrorCode::InvalidInput, "token", problem.to_string()));
+    checked.map(|()| name.into())
 }
 
 fn advance_body(request: &v1::AdvanceRequest) -> Result<Body, v1::Error> {
@@ -189,7 +238,9 @@ fn advance_body(request: &v1::AdvanceRequest) -> Result<Body, v1::Error> {
         return Err(error(v1::ErrorCode::InvalidInput, "window_s", text));
     }
     let outputs = request.outputs.as_ref().map_or(Ok(Outputs::default()), outputs)?;
-    Ok(Body::Advance { start, window_s, outputs })
+    let loads = request.loads.as_ref().map(|loads| convert::loads_from_wire(loads, "loads"));
+    let loads = loads.transpose().map_err(invalid)?.map(Box::new);
+    Ok(Body::Advance { start, window_s, outputs, loads })
 }
 
 fn outputs(wire: &v1::Outputs) -> Result<Outputs, v1::Error> {
@@ -281,7 +332,7 @@ mod tests {
     fn bad_windows_ids_times_and_names_are_refused_with_their_path() {
         let from = Some(v1::advance_request::From::FromStep(0));
         for window_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let request = v1::AdvanceRequest { header: None, from, window_s, outputs: None };
+            let request = v1::AdvanceRequest { from, window_s, ..Default::default() };
             assert_eq!(refusal(Request::Advance(request)), (v1::ErrorCode::InvalidInput, "window_s".into()));
         }
         let header = v1::CommandHeader { client_id: "x".repeat(65), ..Default::default() };
@@ -293,7 +344,7 @@ mod tests {
         let header = v1::CommandHeader { at_time_s: Some(1.0), ..header };
         assert_eq!(refusal(Request::Stop(v1::StopRequest { header: Some(header) })).1, "header.at_time_s");
         let outputs = v1::Outputs { columns: vec!["ids".into(), "colour".into()], ..Default::default() };
-        let request = v1::AdvanceRequest { header: None, from, window_s: 1.0, outputs: Some(outputs) };
+        let request = v1::AdvanceRequest { from, window_s: 1.0, outputs: Some(outputs), ..Default::default() };
         assert_eq!(refusal(Request::Advance(request)), (v1::ErrorCode::NotFound, "outputs.columns[1]".into()));
     }
 

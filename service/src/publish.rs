@@ -95,13 +95,14 @@ async fn pump<T: Publish>(publisher: Publisher<'static>, io: Arc<Io>, slot: Arc<
 }
 
 /// Event topics, each with a history of its own, so that many commands do not push out the start of the run.
-const TOPICS: [&str; 4] = ["command", "run", "particles", "field"];
+const TOPICS: [&str; 5] = ["command", "run", "particles", "field", "checkpoint"];
 
 fn topic(kind: v1::EventKind) -> &'static str {
     match kind {
         v1::EventKind::Command => "command",
         v1::EventKind::Particles => "particles",
         v1::EventKind::Field => "field",
+        v1::EventKind::Checkpoint | v1::EventKind::Restored => "checkpoint",
         _ => "run",
     }
 }

@@ -129,7 +129,9 @@ fn features(limits: &Limits) -> v1::Features {
         commands: Verb::ALL.map(|verb| verb.name().to_string()).to_vec(),
         columns: COLUMN_NAMES.map(|(_, name)| name.to_string()).to_vec(),
         field_quantities: quantities.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
-        capabilities: ["command_put", "at_time", "window", "event_history"].map(String::from).to_vec(),
+        capabilities: ["command_put", "at_time", "window", "event_history", "checkpoint", "loads"]
+            .map(String::from)
+            .to_vec(),
         limits: Some(limits.to_wire()),
         scene_schema_json: scene_schema(),
     }

@@ -8,6 +8,7 @@ use sturz_engine::{Engine, StepError};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::advance::Window;
+use crate::checkpoints::Checkpoints;
 use crate::config::Limits;
 use crate::mailbox::{Inbox, Letter};
 use crate::memory::RequestMemory;
@@ -48,7 +49,7 @@ impl Shared {
         Moment { step: self.step.load(Relaxed), time_s: f64::from_bits(self.time_bits.load(Relaxed)) }
     }
 
-    fn set_moment(&self, moment: Moment) {
+    pub(crate) fn set_moment(&self, moment: Moment) {
         self.step.store(moment.step, Relaxed);
         self.time_bits.store(moment.time_s.to_bits(), Relaxed);
     }
@@ -65,6 +66,7 @@ pub struct Runner<'e> {
     pub(crate) window: Option<Window>,
     pub(crate) memory: RequestMemory,
     pub(crate) schedule: Schedule,
+    pub(crate) checkpoints: Checkpoints,
     pub(crate) meter: Meter,
     /// Counts commands applied and changes of phase.
     pub(crate) revision: u64,
@@ -113,6 +115,7 @@ impl Runner<'_> {
                 None => break,
             }
         }
+        self.settle_files();
         if self.shared.stop.load(Relaxed) {
             self.phase = Phase::Ended;
         }
@@ -253,6 +256,8 @@ impl Runner<'_> {
     fn end(mut self) {
         self.finish_window(v1::StopReason::Stopped);
         drop(self.schedule.drain());
+        self.checkpoints.finish();
+        self.settle_files();
         self.announce(v1::EventKind::Ended, v1::Severity::Info, "the simulation has ended");
     }
 

@@ -6,7 +6,9 @@ use sturz_protocol::{Request, v1};
 
 use crate::error::ClientError;
 use crate::later::Later;
-use crate::outcome::{Advanced, Applied, Inserted, Removed, Stepped, accepted, read, time_reached_s};
+use crate::outcome::{
+    Advanced, Applied, Checkpointed, Checkpoints, Inserted, Removed, Restored, Stepped, accepted, read, time_reached_s,
+};
 use crate::request::{Start, Window, vec3};
 use crate::simulation::{Simulation, decode};
 
@@ -82,6 +84,11 @@ impl Simulation {
         self.quick(set_motion(boundary, motion.into())).and_then(read)
     }
 
+    /// Replaces the loads from outside from now on: [`crate::Loads`], or the message of the wire.
+    pub fn set_loads(&self, loads: impl Into<v1::Loads>) -> Result<Applied, ClientError> {
+        self.quick(set_loads(loads.into())).and_then(read)
+    }
+
     /// Stops stepping, and ends a window in flight early.
     pub fn pause(&self) -> Result<Applied, ClientError> {
         self.quick(Request::Pause(v1::PauseRequest { header: None })).and_then(read)
@@ -117,6 +124,36 @@ impl Simulation {
         self.quick(drop_field(name)).and_then(read)
     }
 
+    /// Saves the whole state in the daemon's memory, to go back to by [`Simulation::restore`]; one of that token is
+    /// replaced. With an empty token the daemon makes one.
+    pub fn checkpoint(&self, token: &str) -> Result<Checkpointed, ClientError> {
+        self.command(checkpoint(token, false), None).and_then(read)
+    }
+
+    /// The same as a file that outlives the daemon, in its folder for checkpoints; returns when the file is safe.
+    pub fn checkpoint_on_disk(&self, token: &str) -> Result<Checkpointed, ClientError> {
+        self.command(checkpoint(token, true), None).and_then(read)
+    }
+
+    /// Goes back, or ahead, to a saved state, bit for bit; a run that has failed is paused by it. Windows that follow
+    /// start there.
+    pub fn restore(&self, token: &str) -> Result<Restored, ClientError> {
+        let request = v1::RestoreRequest { header: None, token: token.into() };
+        self.command(Request::Restore(request), None).and_then(read)
+    }
+
+    /// The saved states, by token.
+    pub fn checkpoints(&self) -> Result<Vec<v1::Checkpoint>, ClientError> {
+        let request = Request::ListCheckpoints(v1::ListCheckpointsRequest { header: None });
+        self.quick(request).and_then(read).map(|Checkpoints(all)| all)
+    }
+
+    /// Forgets a saved state, its file included.
+    pub fn drop_checkpoint(&self, token: &str) -> Result<Applied, ClientError> {
+        let request = v1::DropCheckpointRequest { header: None, token: token.into() };
+        self.quick(Request::DropCheckpoint(request)).and_then(read)
+    }
+
     /// Ends the daemon, and waits until it is gone.
     pub fn stop(&self) -> Result<(), ClientError> {
         match self.quick(Request::Stop(v1::StopRequest { header: None })) {
@@ -143,6 +180,14 @@ pub(crate) fn set_gravity(gravity_m_per_s2: [f64; 3]) -> Request {
 
 pub(crate) fn set_motion(boundary: &str, motion: v1::Motion) -> Request {
     Request::SetMotion(v1::SetMotionRequest { header: None, boundary: boundary.into(), motion: Some(motion) })
+}
+
+pub(crate) fn set_loads(loads: v1::Loads) -> Request {
+    Request::SetLoads(v1::SetLoadsRequest { header: None, loads: Some(loads) })
+}
+
+pub(crate) fn checkpoint(token: &str, on_disk: bool) -> Request {
+    Request::Checkpoint(v1::CheckpointRequest { header: None, token: token.into(), on_disk })
 }
 
 pub(crate) fn define_field(definition: v1::FieldDefinition) -> Request {

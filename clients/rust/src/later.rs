@@ -5,9 +5,9 @@ use std::time::Duration;
 use sturz_protocol::{Request, v1};
 
 use crate::bus::Question;
-use crate::command::{define_field, drop_field, remove, set_gravity, set_motion};
+use crate::command::{checkpoint, define_field, drop_field, remove, set_gravity, set_loads, set_motion};
 use crate::error::ClientError;
-use crate::outcome::{Applied, Inserted, Kind, Removed, accepted, read};
+use crate::outcome::{Applied, Checkpointed, Inserted, Kind, Removed, accepted, read};
 use crate::simulation::{Simulation, decode};
 
 /// Commands that take effect before the first step that starts at or after a simulated time.
@@ -57,6 +57,16 @@ impl Later<'_> {
     /// As [`Simulation::set_motion`].
     pub fn set_motion(&self, boundary: &str, motion: impl Into<v1::Motion>) -> Result<Pending<Applied>, ClientError> {
         self.send(set_motion(boundary, motion.into()))
+    }
+
+    /// As [`Simulation::set_loads`].
+    pub fn set_loads(&self, loads: impl Into<v1::Loads>) -> Result<Pending<Applied>, ClientError> {
+        self.send(set_loads(loads.into()))
+    }
+
+    /// As [`Simulation::checkpoint`], and [`Simulation::checkpoint_on_disk`].
+    pub fn checkpoint(&self, token: &str, on_disk: bool) -> Result<Pending<Checkpointed>, ClientError> {
+        self.send(checkpoint(token, on_disk))
     }
 
     /// As [`Simulation::define_field`].

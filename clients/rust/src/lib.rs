@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `simulation` | the connection, questions, streams |
 //! | `command`, `later` | what changes the simulation, at once or at a simulated time |
-//! | `request`, `outcome` | what a command asks for, what became of it |
+//! | `request`, `loads`, `outcome` | what a command asks for, what became of it |
 //! | `state`, `field` | particles and fields as arrays |
 //! | `stream` | frames as the daemon publishes them |
 //! | `bus`, `watch`, `queue` | the zenoh session: callbacks enqueue, callers wait |
@@ -43,6 +43,7 @@ mod command;
 mod error;
 mod field;
 mod later;
+mod loads;
 mod outcome;
 mod queue;
 mod request;
@@ -54,7 +55,8 @@ mod watch;
 pub use error::{ClientError, Refusal};
 pub use field::{Field, FieldDefinition};
 pub use later::{Later, Pending};
-pub use outcome::{Advanced, Applied, Inserted, Moment, Removed, Stepped};
+pub use loads::Loads;
+pub use outcome::{Advanced, Applied, Checkpointed, Inserted, Moment, Removed, Restored, Stepped};
 pub use request::{Amount, FloatType, Insertion, Motion, Placement, Region, Start, Window};
 pub use simulation::{DEFAULT_ENDPOINT, Simulation};
 pub use state::State;

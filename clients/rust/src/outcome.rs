@@ -81,6 +81,27 @@ pub struct Advanced {
     pub fields: Vec<Field>,
 }
 
+/// The state was saved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpointed {
+    /// The state that was saved.
+    pub at: Moment,
+    /// Under which token, and where.
+    pub checkpoint: v1::Checkpoint,
+}
+
+/// The simulation went to a saved state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Restored {
+    /// Where it is now.
+    pub at: Moment,
+    /// What was restored.
+    pub checkpoint: v1::Checkpoint,
+}
+
+/// The saved states, by token.
+pub(crate) struct Checkpoints(pub(crate) Vec<v1::Checkpoint>);
+
 /// A kind of outcome.
 pub(crate) trait Kind: Sized {
     /// `None` when the daemon answers as to another command.
@@ -133,6 +154,27 @@ impl Kind for Advanced {
             state: done.frame.map(State::new),
             fields: done.fields.into_iter().map(Field::new).collect(),
         })
+    }
+}
+
+impl Kind for Checkpointed {
+    fn from_result(at: Moment, result: Wire) -> Option<Self> {
+        let Wire::Checkpointed(v1::Checkpointed { checkpoint }) = result else { return None };
+        Some(Self { at, checkpoint: checkpoint? })
+    }
+}
+
+impl Kind for Restored {
+    fn from_result(at: Moment, result: Wire) -> Option<Self> {
+        let Wire::Restored(v1::Restored { checkpoint }) = result else { return None };
+        Some(Self { at, checkpoint: checkpoint? })
+    }
+}
+
+impl Kind for Checkpoints {
+    fn from_result(_: Moment, result: Wire) -> Option<Self> {
+        let Wire::Checkpoints(v1::Checkpoints { checkpoints }) = result else { return None };
+        Some(Self(checkpoints))
     }
 }
 

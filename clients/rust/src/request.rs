@@ -3,6 +3,8 @@
 use sturz_protocol::columns::rows;
 use sturz_protocol::v1;
 
+use crate::loads::Loads;
+
 /// On the wire.
 pub(crate) fn vec3([x, y, z]: [f64; 3]) -> v1::Vec3 {
     v1::Vec3 { x, y, z }
@@ -317,6 +319,8 @@ pub struct Window {
     pub fields: Vec<String>,
     /// Of the state.
     pub float_type: FloatType,
+    /// Instead of those before, from its start on.
+    pub loads: Option<Loads>,
 }
 
 impl Window {
@@ -342,6 +346,11 @@ impl Window {
         self
     }
 
+    /// With these loads from its start on, instead of those before.
+    pub fn with_loads(self, loads: Loads) -> Self {
+        Self { loads: Some(loads), ..self }
+    }
+
     /// On the wire; `last_known_s` for [`Start::LastKnown`].
     pub(crate) fn into_wire(self, last_known_s: f64) -> v1::AdvanceRequest {
         use v1::advance_request::From;
@@ -349,6 +358,7 @@ impl Window {
         v1::AdvanceRequest {
             header: None,
             window_s: self.length_s,
+            loads: self.loads.map(Into::into),
             outputs: Some(v1::Outputs { columns: self.columns, fields: self.fields, float_type }),
             from: Some(match self.start {
                 Start::LastKnown => From::FromTimeS(last_known_s),

@@ -39,6 +39,11 @@ impl State {
         self.frame.header.as_ref().map_or(0, |header| header.step)
     }
 
+    /// Counts insertions and removals: what [`crate::Loads`] are refused by when it has changed.
+    pub fn topology_epoch(&self) -> u64 {
+        self.frame.header.as_ref().map_or(0, |header| header.topology_epoch)
+    }
+
     /// Simulated time, s.
     pub fn time_s(&self) -> f64 {
         self.frame.header.as_ref().map_or(0.0, |header| header.sim_time_s)

@@ -25,7 +25,7 @@ const SLIDE: FeatureKey = FeatureKey::point(0);
 const TWIST: FeatureKey = FeatureKey::point(1);
 
 /// (lower id, higher id or boundary, part, part).
-type SlotKey = (u64, u64, u16, u16);
+pub(super) type SlotKey = (u64, u64, u16, u16);
 
 impl SpringRecord {
     fn slot_key(&self) -> SlotKey {
@@ -37,7 +37,7 @@ const ROLL: FeatureKey = FeatureKey::point((1 << 30) - 2);
 const SPIN: FeatureKey = FeatureKey::point((1 << 30) - 1);
 
 /// Key of a slot, without the feature.
-fn slot_key(slot: &Slot, particles: &Particles) -> SlotKey {
+pub(super) fn slot_key(slot: &Slot, particles: &Particles) -> SlotKey {
     let b = match slot.kind {
         kind if kind.is_wall() => BOUNDARY | u64::from(slot.b),
         _ => particles.ids[particles.owner(slot.b as usize)],

@@ -6,6 +6,8 @@
 //! again in the list of the same particle. Many listed pairs of a bed do not touch: a first pass over a block picks those
 //! that do without a branch, which could not be predicted.
 
+mod saved;
+
 use super::evaluate::ForceInputs;
 use super::law::PairTable;
 use super::sphere_batch::Stretch;

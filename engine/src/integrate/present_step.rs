@@ -132,7 +132,9 @@ fn add_spheres(frequencies: &mut Frequencies<'_>, table: &ContactTable, scene: &
         let material = |row: usize| particles.material[particles.owner(row)] as usize;
         let mass = |row: usize| particles.mass[particles.owner(row)];
         let Some(law) = scene.pairs().get(material(a), material(b)) else { continue };
-        let d = particles.separation(a, b);
+        // images of the sphere batch are kept up to date by place only
+        let (at_a, at_b) = (&particles.places[a], &particles.places[b]);
+        let d = (at_b.position - at_a.position) + (at_b.offset - at_a.offset);
         let side = Side { a, b: Some((b, d)), law, reduced_mass: mass(a) * mass(b) / (mass(a) + mass(b)) };
         frequencies.meet(law, side.reduced_mass);
         let normal = d.try_normalize(0.0).unwrap_or_else(Vec3::x);

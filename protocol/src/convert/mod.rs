@@ -6,6 +6,7 @@
 
 mod command;
 mod frame;
+mod loads;
 mod shapes;
 mod status;
 
@@ -14,6 +15,7 @@ pub use command::{
     insertion_to_wire, motion_from_wire, motion_to_wire,
 };
 pub use frame::{COLUMN_NAMES, FloatType, ParticleColumn, field_to_wire, frame_to_wire, quantity_name};
+pub use loads::loads_from_wire;
 pub use shapes::shape_to_wire;
 pub use status::{boundary_to_wire, domain_to_wire, report_to_wire};
 

@@ -49,6 +49,7 @@ fn energy_to_wire(energy: &EnergyBalance) -> v1::EnergyBalance {
         work_boundaries_j: energy.work_boundaries_j,
         work_commands_j: energy.work_commands_j,
         residual_j: energy.residual_j,
+        work_loads_j: energy.work_loads_j,
     }
 }
 

@@ -27,6 +27,7 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
         limits,
         threads: options.threads.into(),
         paused,
+        checkpoints: options.checkpoints,
         stop_on_stdin_eof: options.stop_on_stdin_eof,
     };
     let ready = |ready: &Ready| announce(ready, paused, json);

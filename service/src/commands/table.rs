@@ -64,6 +64,7 @@ fn energy(summary: &Summary) {
         ("lost to local damping", energy.dissipated_local_j),
         ("work of boundaries", energy.work_boundaries_j),
         ("work of commands", energy.work_commands_j),
+        ("work of loads", energy.work_loads_j),
     ];
     for (name, joule) in terms {
         line(name, format!("{joule:14.6e} J"));

@@ -17,6 +17,7 @@ mod refusals;
 mod relaxation;
 mod remote;
 mod resistance;
+mod restart;
 mod restitution;
 mod rotation;
 mod rounded;
@@ -201,6 +202,7 @@ pub fn registry() -> Vec<Case> {
         rounded::cases(),
         energy::cases(),
         standing::cases(),
+        restart::cases(),
         r518::cases(),
     ]
     .into_iter()

@@ -21,10 +21,12 @@ from .errors import (
     Timeout,
 )
 from .field import Field, FieldDefinition, FieldMean, Grid
+from .loads import Loads
 from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, launch
 from .state import BoundaryState, ColumnMissing, Header, Shape, State
 from .status import (
     Boundary,
+    Checkpoint,
     Domain,
     EnergyBalance,
     Event,
@@ -45,6 +47,7 @@ __all__ = [
     "Boundary",
     "BoundaryState",
     "Box",
+    "Checkpoint",
     "ColumnMissing",
     "CommandError",
     "Cylinder",
@@ -63,6 +66,7 @@ __all__ = [
     "Info",
     "LaunchFailed",
     "Limits",
+    "Loads",
     "NoAnswer",
     "NotConnected",
     "ProtocolError",

@@ -79,6 +79,7 @@ class Daemon:
         name: str,
         threads: int | None,
         paused: bool,
+        checkpoints: str | os.PathLike[str] | None,
         timeout_s: float,
         binary: str | os.PathLike[str] | None,
     ) -> None:
@@ -94,6 +95,7 @@ class Daemon:
         command += ["--listen", "tcp/127.0.0.1:0", "--stop-on-stdin-eof", "--json"]
         command += ["--paused"] if paused else []
         command += ["--threads", str(threads)] if threads is not None else []
+        command += ["--checkpoints", os.fspath(checkpoints)] if checkpoints is not None else []
         # A session of its own: Ctrl-C belongs to the Python program, which then ends the daemon in its own time.
         self.process = subprocess.Popen(
             command,

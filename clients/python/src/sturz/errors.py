@@ -21,6 +21,8 @@ class ErrorCode(enum.IntEnum):
     RUN_FAILED = 10
     STOPPING = 11
     INTERNAL = 12
+    UNUSABLE_CHECKPOINT = 13
+    DISK = 14
 
     @classmethod
     def _missing_(cls, value: object) -> ErrorCode:

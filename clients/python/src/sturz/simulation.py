@@ -24,9 +24,10 @@ from .bus import Bus
 from .daemon import Daemon
 from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, SturzError, Timeout
 from .field import Field, FieldDefinition, grid_from
+from .loads import Loads
 from .progress import ProgressBar, wanted
 from .state import Shape, State
-from .status import Event, Features, Info, Report
+from .status import Checkpoint, Event, Features, Info, Report
 from .stream import Stream
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
@@ -110,6 +111,7 @@ def launch(
     name: str | None = None,
     threads: int | None = None,
     paused: bool = True,
+    checkpoints: str | os.PathLike[str] | None = None,
     timeout_s: float = 30.0,
     binary: str | os.PathLike[str] | None = None,
 ) -> Simulation:
@@ -121,6 +123,7 @@ def launch(
         name: instance on the bus: letters, digits, `_` and `-`; made from the scene when absent.
         threads: of the physics; the daemon's default when absent.
         paused: start paused, so that nothing happens before the first command.
+        checkpoints: folder for checkpoints on disk, made if need be; none when absent.
         timeout_s: for start and connection together.
         binary: the daemon; else the environment's STURZ_BINARY, the repository's release build, or the PATH.
 
@@ -135,6 +138,7 @@ def launch(
         name=name or f"{plain[:50]}-{secrets.token_hex(3)}",
         threads=threads,
         paused=paused,
+        checkpoints=checkpoints,
         timeout_s=timeout_s,
         binary=binary,
     )
@@ -203,6 +207,11 @@ class Simulation:
         with self._lock:
             if self._time_s is None or time_s > self._time_s:
                 self._time_s = time_s
+
+    def _went_to(self, time_s: float) -> None:
+        """Notes where a restored simulation is, be it earlier."""
+        with self._lock:
+            self._time_s = time_s
 
     # Questions.
 
@@ -578,6 +587,10 @@ class Simulation:
     def _set_motion(self, boundary: str, motion: pb.Motion) -> None:
         self._quick("set_motion", pb.SetMotionRequest(boundary=boundary, motion=motion))
 
+    def set_loads(self, loads: Loads) -> None:
+        """Replaces the loads from outside, from now on."""
+        self._quick("set_loads", pb.SetLoadsRequest(loads=loads.to_message()))
+
     def pause(self) -> float:
         """Stops stepping, and ends a window in flight early. Returns the simulated time, s."""
         return float(self._quick("pause", pb.PauseRequest()).sim_time_s)
@@ -601,6 +614,7 @@ class Simulation:
         columns: Iterable[str] = (),
         fields: Iterable[str] = (),
         float_type: FloatType = "f64",
+        loads: Loads | None = None,
         progress: bool | None = False,
         label: str = "advance",
     ) -> Advanced:
@@ -613,6 +627,7 @@ class Simulation:
             columns: of the state to return (see `Features.columns`; ``all`` for every one).
             fields: names of defined fields to return.
             float_type: of the state's floating-point columns.
+            loads: replace those before from the start of the window on; those before go on when absent.
             progress: show a bar with simulated time, speed and time left; None: on a terminal only.
             label: of the bar.
 
@@ -628,6 +643,8 @@ class Simulation:
             float_type=data_pb2.DATA_TYPE_F32 if float_type == "f32" else data_pb2.DATA_TYPE_F64,
         )
         request = pb.AdvanceRequest(from_time_s=start, window_s=window_s, outputs=outputs)
+        if loads is not None:
+            request.loads.CopyFrom(loads.to_message())
         with self._paused_by_interrupt(), self._bar(start, window_s, label if wanted(progress) else None):
             message = self.command("advance", request).advanced
             self._reached(message.time_reached_s)
@@ -703,6 +720,35 @@ class Simulation:
     def drop_field(self, *, name: str) -> None:
         """Forgets a field."""
         self._quick("drop_field", pb.DropFieldRequest(name=name))
+
+    def checkpoint(self, *, token: str = "", on_disk: bool = False) -> Checkpoint:
+        """Saves the whole state, to go back to by `restore`: bit for bit, springs of contacts and motions included.
+
+        Args:
+            token: letters, digits, `_` and `-`; one of that name is replaced. The daemon makes one when it is empty.
+            on_disk: as a file that outlives the daemon, in its folder for checkpoints, instead of in its memory.
+                Returns when the file is safe.
+        """
+        outcome = self.command("checkpoint", pb.CheckpointRequest(token=token, on_disk=on_disk))
+        return Checkpoint.from_message(outcome.checkpointed.checkpoint)
+
+    def restore(self, *, token: str) -> Checkpoint:
+        """Goes back, or ahead, to a saved state, bit for bit. A run that has failed is paused by it.
+
+        Windows that follow start there; ids and topology epochs given since are given again.
+        """
+        outcome = self.command("restore", pb.RestoreRequest(token=token))
+        self._went_to(outcome.sim_time_s)
+        return Checkpoint.from_message(outcome.restored.checkpoint)
+
+    def checkpoints(self) -> tuple[Checkpoint, ...]:
+        """The saved states, by token."""
+        saved = self._quick("list_checkpoints", pb.ListCheckpointsRequest()).checkpoints.checkpoints
+        return tuple(Checkpoint.from_message(each) for each in saved)
+
+    def drop_checkpoint(self, *, token: str) -> None:
+        """Forgets a saved state, its file included."""
+        self._quick("drop_checkpoint", pb.DropCheckpointRequest(token=token))
 
     # Streams.
 

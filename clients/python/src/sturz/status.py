@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import columns
+from ._proto.sturz.v1 import command_pb2
 from ._proto.sturz.v1 import status_pb2 as pb
 from .field import FieldDefinition
 from .state import Header
@@ -42,6 +43,8 @@ class EventKind(enum.IntEnum):
     ENDED = 6
     PARTICLES = 7
     FIELD = 8
+    CHECKPOINT = 9
+    RESTORED = 10
 
     @classmethod
     def _missing_(cls, value: object) -> EventKind:
@@ -223,7 +226,8 @@ class Info:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the daemon refuses to exceed: bytes of a request, particles, requests waiting and remembered, fields."""
+    """What the daemon refuses to exceed: bytes of a request, particles, requests waiting and remembered, fields,
+    checkpoints in memory (and their bytes together) and on disk."""
 
     message_bytes: int
     insertion_particles: int
@@ -232,6 +236,47 @@ class Limits:
     remembered_requests: int
     fields: int
     field_cells: int
+    checkpoints: int
+    checkpoint_bytes: int
+    checkpoint_files: int
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A saved state.
+
+    Attributes:
+        token: what `Simulation.restore` takes.
+        step: steps done by it.
+        time_s: its simulated time, s.
+        particles: in it.
+        topology_epoch: counts insertions and removals.
+        state_hash: of the whole state.
+        bytes: that it takes.
+        on_disk: as a file that outlives the daemon, else in its memory.
+    """
+
+    token: str
+    step: int
+    time_s: float
+    particles: int
+    topology_epoch: int
+    state_hash: int
+    bytes: int
+    on_disk: bool
+
+    @classmethod
+    def from_message(cls, message: command_pb2.Checkpoint) -> Checkpoint:
+        return cls(
+            token=message.token,
+            step=message.step,
+            time_s=message.sim_time_s,
+            particles=message.particles,
+            topology_epoch=message.topology_epoch,
+            state_hash=message.state_hash,
+            bytes=message.bytes,
+            on_disk=message.on_disk,
+        )
 
 
 @dataclass(frozen=True)
@@ -282,6 +327,7 @@ class EnergyBalance:
     dissipated_local_j: float
     work_boundaries_j: float
     work_commands_j: float
+    work_loads_j: float
     residual_j: float
 
     def residual_ratio(self) -> float:

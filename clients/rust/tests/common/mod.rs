@@ -1,4 +1,5 @@
 //! A daemon of a test's own: the real binary, on a free port, with a scene in a temporary folder.
+#![allow(dead_code)]
 
 use std::io::{BufRead as _, BufReader};
 use std::path::PathBuf;
@@ -55,14 +56,20 @@ fn binary() -> PathBuf {
 impl Daemon {
     /// Serves an empty scene, paused, under this name.
     pub fn start(name: &str) -> Self {
+        Self::serve(name, SCENE, &[])
+    }
+
+    /// Serves a scene, paused, under this name; `more` goes to the command line.
+    pub fn serve(name: &str, scene_text: &str, more: &[&str]) -> Self {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let scene = folder.join("scene.toml");
-        fs::write(&scene, SCENE).unwrap();
+        fs::write(&scene, scene_text).unwrap();
         let mut process = Command::new(binary())
             .arg("serve")
             .arg(&scene)
             .args(["--name", name, "--listen", "tcp/127.0.0.1:0", "--paused", "--stop-on-stdin-eof", "--json"])
+            .args(more)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

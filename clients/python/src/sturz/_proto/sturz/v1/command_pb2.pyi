@@ -29,6 +29,8 @@ class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     ERROR_CODE_RUN_FAILED: _ClassVar[ErrorCode]
     ERROR_CODE_STOPPING: _ClassVar[ErrorCode]
     ERROR_CODE_INTERNAL: _ClassVar[ErrorCode]
+    ERROR_CODE_UNUSABLE_CHECKPOINT: _ClassVar[ErrorCode]
+    ERROR_CODE_DISK: _ClassVar[ErrorCode]
 STOP_REASON_UNSPECIFIED: StopReason
 STOP_REASON_COMPLETE: StopReason
 STOP_REASON_PAUSED: StopReason
@@ -46,6 +48,8 @@ ERROR_CODE_NOT_FOUND: ErrorCode
 ERROR_CODE_RUN_FAILED: ErrorCode
 ERROR_CODE_STOPPING: ErrorCode
 ERROR_CODE_INTERNAL: ErrorCode
+ERROR_CODE_UNUSABLE_CHECKPOINT: ErrorCode
+ERROR_CODE_DISK: ErrorCode
 
 class CommandHeader(_message.Message):
     __slots__ = ("client_id", "request_id", "at_time_s")
@@ -267,6 +271,38 @@ class TranslationMotion(_message.Message):
     velocity_m_per_s: _data_pb2.Vec3
     def __init__(self, velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ...) -> None: ...
 
+class Loads(_message.Message):
+    __slots__ = ("topology_epoch", "ids", "force_n", "torque_n_m", "drag_n_s_per_m", "fluid_velocity_m_per_s", "rotational_drag_n_m_s", "fluid_angular_velocity_rad_per_s", "ramp_s", "valid_until_s")
+    TOPOLOGY_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    IDS_FIELD_NUMBER: _ClassVar[int]
+    FORCE_N_FIELD_NUMBER: _ClassVar[int]
+    TORQUE_N_M_FIELD_NUMBER: _ClassVar[int]
+    DRAG_N_S_PER_M_FIELD_NUMBER: _ClassVar[int]
+    FLUID_VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    ROTATIONAL_DRAG_N_M_S_FIELD_NUMBER: _ClassVar[int]
+    FLUID_ANGULAR_VELOCITY_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    RAMP_S_FIELD_NUMBER: _ClassVar[int]
+    VALID_UNTIL_S_FIELD_NUMBER: _ClassVar[int]
+    topology_epoch: int
+    ids: _data_pb2.Column
+    force_n: _data_pb2.Column
+    torque_n_m: _data_pb2.Column
+    drag_n_s_per_m: _data_pb2.Column
+    fluid_velocity_m_per_s: _data_pb2.Column
+    rotational_drag_n_m_s: _data_pb2.Column
+    fluid_angular_velocity_rad_per_s: _data_pb2.Column
+    ramp_s: float
+    valid_until_s: float
+    def __init__(self, topology_epoch: _Optional[int] = ..., ids: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., force_n: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., torque_n_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., drag_n_s_per_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., fluid_velocity_m_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., rotational_drag_n_m_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., fluid_angular_velocity_rad_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., ramp_s: _Optional[float] = ..., valid_until_s: _Optional[float] = ...) -> None: ...
+
+class SetLoadsRequest(_message.Message):
+    __slots__ = ("header", "loads")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    LOADS_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    loads: Loads
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
+
 class PauseRequest(_message.Message):
     __slots__ = ("header",)
     HEADER_FIELD_NUMBER: _ClassVar[int]
@@ -288,18 +324,20 @@ class StepRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., steps: _Optional[int] = ...) -> None: ...
 
 class AdvanceRequest(_message.Message):
-    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs")
+    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs", "loads")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
     FROM_STEP_FIELD_NUMBER: _ClassVar[int]
     WINDOW_S_FIELD_NUMBER: _ClassVar[int]
     OUTPUTS_FIELD_NUMBER: _ClassVar[int]
+    LOADS_FIELD_NUMBER: _ClassVar[int]
     header: CommandHeader
     from_time_s: float
     from_step: int
     window_s: float
     outputs: Outputs
-    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ...) -> None: ...
+    loads: Loads
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
 
 class Outputs(_message.Message):
     __slots__ = ("columns", "fields", "float_type")
@@ -327,6 +365,38 @@ class DropFieldRequest(_message.Message):
     name: str
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., name: _Optional[str] = ...) -> None: ...
 
+class CheckpointRequest(_message.Message):
+    __slots__ = ("header", "token", "on_disk")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    ON_DISK_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    token: str
+    on_disk: bool
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ..., on_disk: bool = ...) -> None: ...
+
+class RestoreRequest(_message.Message):
+    __slots__ = ("header", "token")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    token: str
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ...) -> None: ...
+
+class ListCheckpointsRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
+
+class DropCheckpointRequest(_message.Message):
+    __slots__ = ("header", "token")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    token: str
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ...) -> None: ...
+
 class StopRequest(_message.Message):
     __slots__ = ("header",)
     HEADER_FIELD_NUMBER: _ClassVar[int]
@@ -334,7 +404,7 @@ class StopRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
 
 class Outcome(_message.Message):
-    __slots__ = ("client_id", "request_id", "command", "step", "sim_time_s", "repeated", "error", "applied", "inserted", "removed", "stepped", "advanced")
+    __slots__ = ("client_id", "request_id", "command", "step", "sim_time_s", "repeated", "error", "applied", "inserted", "removed", "stepped", "advanced", "checkpointed", "restored", "checkpoints")
     CLIENT_ID_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     COMMAND_FIELD_NUMBER: _ClassVar[int]
@@ -347,6 +417,9 @@ class Outcome(_message.Message):
     REMOVED_FIELD_NUMBER: _ClassVar[int]
     STEPPED_FIELD_NUMBER: _ClassVar[int]
     ADVANCED_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINTED_FIELD_NUMBER: _ClassVar[int]
+    RESTORED_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
     client_id: str
     request_id: str
     command: str
@@ -359,7 +432,10 @@ class Outcome(_message.Message):
     removed: Removed
     stepped: Stepped
     advanced: Advanced
-    def __init__(self, client_id: _Optional[str] = ..., request_id: _Optional[str] = ..., command: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., repeated: bool = ..., error: _Optional[_Union[Error, _Mapping]] = ..., applied: _Optional[_Union[Applied, _Mapping]] = ..., inserted: _Optional[_Union[Inserted, _Mapping]] = ..., removed: _Optional[_Union[Removed, _Mapping]] = ..., stepped: _Optional[_Union[Stepped, _Mapping]] = ..., advanced: _Optional[_Union[Advanced, _Mapping]] = ...) -> None: ...
+    checkpointed: Checkpointed
+    restored: Restored
+    checkpoints: Checkpoints
+    def __init__(self, client_id: _Optional[str] = ..., request_id: _Optional[str] = ..., command: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., repeated: bool = ..., error: _Optional[_Union[Error, _Mapping]] = ..., applied: _Optional[_Union[Applied, _Mapping]] = ..., inserted: _Optional[_Union[Inserted, _Mapping]] = ..., removed: _Optional[_Union[Removed, _Mapping]] = ..., stepped: _Optional[_Union[Stepped, _Mapping]] = ..., advanced: _Optional[_Union[Advanced, _Mapping]] = ..., checkpointed: _Optional[_Union[Checkpointed, _Mapping]] = ..., restored: _Optional[_Union[Restored, _Mapping]] = ..., checkpoints: _Optional[_Union[Checkpoints, _Mapping]] = ...) -> None: ...
 
 class Applied(_message.Message):
     __slots__ = ()
@@ -408,6 +484,44 @@ class Advanced(_message.Message):
     frame: _data_pb2.Frame
     fields: _containers.RepeatedCompositeFieldContainer[_data_pb2.FieldFrame]
     def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ...) -> None: ...
+
+class Checkpoint(_message.Message):
+    __slots__ = ("token", "step", "sim_time_s", "particles", "topology_epoch", "state_hash", "bytes", "on_disk")
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    STEP_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    PARTICLES_FIELD_NUMBER: _ClassVar[int]
+    TOPOLOGY_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    STATE_HASH_FIELD_NUMBER: _ClassVar[int]
+    BYTES_FIELD_NUMBER: _ClassVar[int]
+    ON_DISK_FIELD_NUMBER: _ClassVar[int]
+    token: str
+    step: int
+    sim_time_s: float
+    particles: int
+    topology_epoch: int
+    state_hash: int
+    bytes: int
+    on_disk: bool
+    def __init__(self, token: _Optional[str] = ..., step: _Optional[int] = ..., sim_time_s: _Optional[float] = ..., particles: _Optional[int] = ..., topology_epoch: _Optional[int] = ..., state_hash: _Optional[int] = ..., bytes: _Optional[int] = ..., on_disk: bool = ...) -> None: ...
+
+class Checkpointed(_message.Message):
+    __slots__ = ("checkpoint",)
+    CHECKPOINT_FIELD_NUMBER: _ClassVar[int]
+    checkpoint: Checkpoint
+    def __init__(self, checkpoint: _Optional[_Union[Checkpoint, _Mapping]] = ...) -> None: ...
+
+class Restored(_message.Message):
+    __slots__ = ("checkpoint",)
+    CHECKPOINT_FIELD_NUMBER: _ClassVar[int]
+    checkpoint: Checkpoint
+    def __init__(self, checkpoint: _Optional[_Union[Checkpoint, _Mapping]] = ...) -> None: ...
+
+class Checkpoints(_message.Message):
+    __slots__ = ("checkpoints",)
+    CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
+    checkpoints: _containers.RepeatedCompositeFieldContainer[Checkpoint]
+    def __init__(self, checkpoints: _Optional[_Iterable[_Union[Checkpoint, _Mapping]]] = ...) -> None: ...
 
 class Error(_message.Message):
     __slots__ = ("code", "path", "message")

@@ -28,6 +28,8 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_ENDED: _ClassVar[EventKind]
     EVENT_KIND_PARTICLES: _ClassVar[EventKind]
     EVENT_KIND_FIELD: _ClassVar[EventKind]
+    EVENT_KIND_CHECKPOINT: _ClassVar[EventKind]
+    EVENT_KIND_RESTORED: _ClassVar[EventKind]
 
 class Severity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -50,6 +52,8 @@ EVENT_KIND_FAILED: EventKind
 EVENT_KIND_ENDED: EventKind
 EVENT_KIND_PARTICLES: EventKind
 EVENT_KIND_FIELD: EventKind
+EVENT_KIND_CHECKPOINT: EventKind
+EVENT_KIND_RESTORED: EventKind
 SEVERITY_UNSPECIFIED: Severity
 SEVERITY_INFO: Severity
 SEVERITY_WARNING: Severity
@@ -186,7 +190,7 @@ class Features(_message.Message):
     def __init__(self, commands: _Optional[_Iterable[str]] = ..., columns: _Optional[_Iterable[str]] = ..., field_quantities: _Optional[_Iterable[str]] = ..., capabilities: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., scene_schema_json: _Optional[str] = ...) -> None: ...
 
 class Limits(_message.Message):
-    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells")
+    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files")
     MESSAGE_BYTES_FIELD_NUMBER: _ClassVar[int]
     INSERTION_PARTICLES_FIELD_NUMBER: _ClassVar[int]
     PARTICLES_FIELD_NUMBER: _ClassVar[int]
@@ -194,6 +198,9 @@ class Limits(_message.Message):
     REMEMBERED_REQUESTS_FIELD_NUMBER: _ClassVar[int]
     FIELDS_FIELD_NUMBER: _ClassVar[int]
     FIELD_CELLS_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINT_BYTES_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINT_FILES_FIELD_NUMBER: _ClassVar[int]
     message_bytes: int
     insertion_particles: int
     particles: int
@@ -201,7 +208,10 @@ class Limits(_message.Message):
     remembered_requests: int
     fields: int
     field_cells: int
-    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ...) -> None: ...
+    checkpoints: int
+    checkpoint_bytes: int
+    checkpoint_files: int
+    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ..., checkpoints: _Optional[int] = ..., checkpoint_bytes: _Optional[int] = ..., checkpoint_files: _Optional[int] = ...) -> None: ...
 
 class Plan(_message.Message):
     __slots__ = ("lines",)
@@ -312,7 +322,7 @@ class Report(_message.Message):
     def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., state: _Optional[_Union[RunState, str]] = ..., particles: _Optional[int] = ..., touching_pairs: _Optional[int] = ..., touching_boundary_pairs: _Optional[int] = ..., contact_points: _Optional[int] = ..., contact_points_smooth: _Optional[int] = ..., contact_points_vertex_face: _Optional[int] = ..., contact_points_edge_edge: _Optional[int] = ..., neighbour_rebuilds: _Optional[int] = ..., energy: _Optional[_Union[EnergyBalance, _Mapping]] = ..., momentum_kg_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., internal_force_residual_n: _Optional[float] = ..., largest_overlap_m: _Optional[float] = ..., largest_overlap_ratio: _Optional[float] = ..., largest_overlap_ratio_so_far: _Optional[float] = ..., time_step_s: _Optional[float] = ..., critical_time_step_s: _Optional[float] = ..., contact_duration_s: _Optional[float] = ..., warnings: _Optional[_Union[WarningCounts, _Mapping]] = ..., stages: _Optional[_Iterable[_Union[StageCost, _Mapping]]] = ..., sim_s_per_wall_s: _Optional[float] = ..., steps_per_wall_s: _Optional[float] = ..., streams: _Optional[_Iterable[_Union[StreamCounts, _Mapping]]] = ..., state_hash: _Optional[int] = ..., progress: _Optional[_Union[Progress, _Mapping]] = ..., wall_s: _Optional[float] = ..., largest_overlap_over_rounding: _Optional[float] = ..., present_critical_time_step_s: _Optional[float] = ...) -> None: ...
 
 class EnergyBalance(_message.Message):
-    __slots__ = ("kinetic_translation_j", "kinetic_rotation_j", "potential_j", "elastic_j", "dissipated_normal_j", "dissipated_friction_j", "work_boundaries_j", "work_commands_j", "residual_j", "dissipated_local_j")
+    __slots__ = ("kinetic_translation_j", "kinetic_rotation_j", "potential_j", "elastic_j", "dissipated_normal_j", "dissipated_friction_j", "work_boundaries_j", "work_commands_j", "residual_j", "dissipated_local_j", "work_loads_j")
     KINETIC_TRANSLATION_J_FIELD_NUMBER: _ClassVar[int]
     KINETIC_ROTATION_J_FIELD_NUMBER: _ClassVar[int]
     POTENTIAL_J_FIELD_NUMBER: _ClassVar[int]
@@ -323,6 +333,7 @@ class EnergyBalance(_message.Message):
     WORK_COMMANDS_J_FIELD_NUMBER: _ClassVar[int]
     RESIDUAL_J_FIELD_NUMBER: _ClassVar[int]
     DISSIPATED_LOCAL_J_FIELD_NUMBER: _ClassVar[int]
+    WORK_LOADS_J_FIELD_NUMBER: _ClassVar[int]
     kinetic_translation_j: float
     kinetic_rotation_j: float
     potential_j: float
@@ -333,7 +344,8 @@ class EnergyBalance(_message.Message):
     work_commands_j: float
     residual_j: float
     dissipated_local_j: float
-    def __init__(self, kinetic_translation_j: _Optional[float] = ..., kinetic_rotation_j: _Optional[float] = ..., potential_j: _Optional[float] = ..., elastic_j: _Optional[float] = ..., dissipated_normal_j: _Optional[float] = ..., dissipated_friction_j: _Optional[float] = ..., work_boundaries_j: _Optional[float] = ..., work_commands_j: _Optional[float] = ..., residual_j: _Optional[float] = ..., dissipated_local_j: _Optional[float] = ...) -> None: ...
+    work_loads_j: float
+    def __init__(self, kinetic_translation_j: _Optional[float] = ..., kinetic_rotation_j: _Optional[float] = ..., potential_j: _Optional[float] = ..., elastic_j: _Optional[float] = ..., dissipated_normal_j: _Optional[float] = ..., dissipated_friction_j: _Optional[float] = ..., work_boundaries_j: _Optional[float] = ..., work_commands_j: _Optional[float] = ..., residual_j: _Optional[float] = ..., dissipated_local_j: _Optional[float] = ..., work_loads_j: _Optional[float] = ...) -> None: ...
 
 class WarningCounts(_message.Message):
     __slots__ = ("rotation_not_converged", "large_overlap", "fast_particle", "deep_rounding")

@@ -1,0 +1,451 @@
+//! Loads from outside: a force and a torque per particle, and the linearised pair of a drag.
+//!
+//! On a particle of velocity v and angular velocity w act
+//!
+//! F = f + K (u - v) and T = t + L (q - w)
+//!
+//! f force (N), K drag (N s/m), u velocity of the fluid (m/s); t torque (N m), L rotational drag (N m s), q angular velocity
+//! of the fluid (rad/s), world axes. Each half kick of velocity Verlet solves m v' = f_contact + m g + F exactly for a
+//! frozen contact force, and likewise for the angular momentum about each principal axis:
+//! v(h) = v e^-z + a h (1 - e^-z)/z with z = K h/m, a = (f_contact + m g + f + K u)/m. Hence stable for every K, exact
+//! under constant forces, and second order with contacts. Loads at the start of the step act in its first half, those at
+//! its end in the second.
+
+use rayon::prelude::*;
+
+use crate::checkpoint::codec::pack_fields;
+use crate::engine::Engine;
+use crate::error::InvalidInput;
+use crate::math::Vec3;
+use crate::parallel::least;
+use crate::particles::Particles;
+
+/// What a client asks for; replaces all loads before. Columns are empty (0 for all) or have a row per id.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadDescription {
+    /// Epoch of the particles that the ids are from.
+    pub topology_epoch: u64,
+    /// In any order, each once. None: no loads.
+    pub ids: Vec<u64>,
+    /// f
+    pub force_n: Vec<[f64; 3]>,
+    /// t, world axes.
+    pub torque_n_m: Vec<[f64; 3]>,
+    /// K, at least 0.
+    pub drag_n_s_per_m: Vec<f64>,
+    /// u
+    pub fluid_velocity_m_per_s: Vec<[f64; 3]>,
+    /// L, at least 0.
+    pub rotational_drag_n_m_s: Vec<f64>,
+    /// q, world axes.
+    pub fluid_angular_velocity_rad_per_s: Vec<[f64; 3]>,
+    /// The loads before change linearly into these over this time from now on, then these are held; 0: at once.
+    pub ramp_s: f64,
+    /// Simulated time until which they act; without end when absent.
+    pub valid_until_s: Option<f64>,
+}
+
+/// F = `force` - `drag` v, T = `torque` - `rotational_drag` w: what is linear in time during a ramp.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Load {
+    force: Vec3,
+    drag: f64,
+    torque: Vec3,
+    rotational_drag: f64,
+}
+
+pack_fields!(Load { force: Vec3, drag: f64, torque: Vec3, rotational_drag: f64 });
+
+/// Loads in force.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Loads {
+    /// Ascending.
+    ids: Vec<u64>,
+    /// By id: at the start of the ramp.
+    from: Vec<Load>,
+    /// By id: at its end, and after.
+    to: Vec<Load>,
+    start_s: f64,
+    ramp_s: f64,
+    until_s: Option<f64>,
+    rows: Rows,
+}
+
+pack_fields!(Loads { ids: Vec<u64>, from: Vec<Load>, to: Vec<Load>, start_s: f64, ramp_s: f64, until_s: Option<f64>, rows: Rows });
+
+/// Where the loaded particles are; made anew when rows may have moved.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Rows {
+    /// Rebuilds of the neighbour list, when it was made.
+    rebuilds: Option<u64>,
+    /// By row: which load, or [`NO_LOAD`].
+    load: Vec<u32>,
+    /// By row: force and torque without the load.
+    kept: Vec<[Vec3; 2]>,
+}
+
+const NO_LOAD: u32 = u32::MAX;
+/// Rows per sum of work; never a function of the thread count.
+const CHUNK: usize = 512;
+
+/// They are not state.
+impl crate::checkpoint::codec::Pack for Rows {
+    const LEAST_BYTES: usize = 0;
+    fn put(&self, _: &mut Vec<u8>) {}
+    fn get(_: &mut crate::checkpoint::codec::Reader<'_>) -> Result<Self, crate::checkpoint::codec::Malformed> {
+        Ok(Self::default())
+    }
+}
+
+impl Load {
+    fn at(from: &Self, to: &Self, part: f64) -> Self {
+        if part >= 1.0 {
+            return *to;
+        }
+        Self {
+            force: from.force + (to.force - from.force) * part,
+            drag: from.drag + (to.drag - from.drag) * part,
+            torque: from.torque + (to.torque - from.torque) * part,
+            rotational_drag: from.rotational_drag + (to.rotational_drag - from.rotational_drag) * part,
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let drags = [self.drag, self.rotational_drag];
+        drags.iter().all(|&drag| drag.is_finite() && drag >= 0.0)
+            && self.force.iter().chain(&self.torque).all(|number| number.is_finite())
+    }
+}
+
+/// (1 - e^-z)/z.
+#[inline(always)]
+fn decay_mean(z: f64) -> f64 {
+    if z < 1e-12 { 1.0 } else { -(-z).exp_m1() / z }
+}
+
+/// Velocity after `h` from `v`, with the acceleration `a` at rest and the rate of decay `rate` (1/s).
+#[inline(always)]
+fn relaxed(v: &Vec3, a: &Vec3, rate: f64, h: f64) -> Vec3 {
+    let z = rate * h;
+    v * (-z).exp() + a * (h * decay_mean(z))
+}
+
+impl LoadDescription {
+    /// Checks all but what only the running engine knows.
+    fn check(&self) -> Result<(), InvalidInput> {
+        let n = self.ids.len();
+        let column = |name: &str, rows: usize, numbers: &[f64], width: usize| {
+            if rows != 0 && rows != n {
+                let problem = format!("has {rows} rows for {n} ids; give one each, or none");
+                return Err(InvalidInput::new(format!("set_loads.{name}"), problem));
+            }
+            match numbers.iter().position(|number| !number.is_finite()) {
+                Some(at) => {
+                    let problem = format!("is {}; must be finite", numbers[at]);
+                    Err(InvalidInput::new(format!("set_loads.{name}[{}]", at / width), problem))
+                }
+                None => Ok(()),
+            }
+        };
+        for (name, vectors) in [
+            ("force_n", &self.force_n),
+            ("torque_n_m", &self.torque_n_m),
+            ("fluid_velocity_m_per_s", &self.fluid_velocity_m_per_s),
+            ("fluid_angular_velocity_rad_per_s", &self.fluid_angular_velocity_rad_per_s),
+        ] {
+            column(name, vectors.len(), vectors.as_flattened(), 3)?;
+        }
+        for (name, drags, of, fluid) in [
+            ("drag_n_s_per_m", &self.drag_n_s_per_m, "fluid_velocity_m_per_s", &self.fluid_velocity_m_per_s),
+            (
+                "rotational_drag_n_m_s",
+                &self.rotational_drag_n_m_s,
+                "fluid_angular_velocity_rad_per_s",
+                &self.fluid_angular_velocity_rad_per_s,
+            ),
+        ] {
+            column(name, drags.len(), drags, 1)?;
+            if let Some(at) = drags.iter().position(|&drag| drag < 0.0) {
+                let problem = format!("is {}; must be 0 or more", drags[at]);
+                return Err(InvalidInput::new(format!("set_loads.{name}[{at}]"), problem));
+            }
+            if drags.is_empty() && !fluid.is_empty() {
+                let problem = format!("does nothing without {name}");
+                return Err(InvalidInput::new(format!("set_loads.{of}"), problem));
+            }
+        }
+        if !(self.ramp_s.is_finite() && self.ramp_s >= 0.0) {
+            let problem = format!("is {}; must be finite and 0 or more", self.ramp_s);
+            return Err(InvalidInput::new("set_loads.ramp_s", problem));
+        }
+        Ok(())
+    }
+
+    fn load(&self, k: usize) -> Load {
+        let vector = |column: &[[f64; 3]]| column.get(k).map_or_else(Vec3::zeros, |row| Vec3::from(*row));
+        let number = |column: &[f64]| column.get(k).copied().unwrap_or(0.0);
+        let (drag, rotational_drag) = (number(&self.drag_n_s_per_m), number(&self.rotational_drag_n_m_s));
+        Load {
+            force: vector(&self.force_n) + vector(&self.fluid_velocity_m_per_s) * drag,
+            drag,
+            torque: vector(&self.torque_n_m) + vector(&self.fluid_angular_velocity_rad_per_s) * rotational_drag,
+            rotational_drag,
+        }
+    }
+}
+
+impl Loads {
+    /// The loads of a checked description from `now_s` on, out of those before.
+    fn new(description: &LoadDescription, before: Option<&Loads>, now_s: f64) -> Option<Self> {
+        let mut loads: Vec<(u64, Load, Load)> =
+            description.ids.iter().enumerate().map(|(k, &id)| (id, Load::default(), description.load(k))).collect();
+        loads.sort_unstable_by_key(|(id, ..)| *id);
+        if let Some(before) = before.filter(|_| description.ramp_s > 0.0) {
+            let part = before.part(now_s);
+            let mut fading = Vec::new();
+            for (k, id) in before.ids.iter().enumerate() {
+                let present = Load::at(&before.from[k], &before.to[k], part);
+                match loads.binary_search_by_key(id, |(id, ..)| *id) {
+                    Ok(at) => loads[at].1 = present,
+                    Err(_) => fading.push((*id, present, Load::default())),
+                }
+            }
+            loads.extend(fading);
+            loads.sort_unstable_by_key(|(id, ..)| *id);
+        }
+        let loads = Self {
+            ids: loads.iter().map(|(id, ..)| *id).collect(),
+            from: loads.iter().map(|(_, from, _)| *from).collect(),
+            to: loads.iter().map(|(.., to)| *to).collect(),
+            start_s: now_s,
+            ramp_s: description.ramp_s,
+            until_s: description.valid_until_s,
+            rows: Rows::default(),
+        };
+        (!loads.ids.is_empty()).then_some(loads)
+    }
+
+    fn part(&self, time_s: f64) -> f64 {
+        if self.ramp_s > 0.0 { ((time_s - self.start_s) / self.ramp_s).clamp(0.0, 1.0) } else { 1.0 }
+    }
+
+    /// Whether they no longer act in a step that starts then.
+    fn are_over(&self, time_s: f64) -> bool {
+        self.until_s.is_some_and(|until| time_s >= until)
+    }
+
+    /// Finds the rows of the ids; particles that are gone take their loads with them.
+    fn find_rows(&mut self, particles: &Particles, rebuilds: u64) {
+        if self.rows.rebuilds == Some(rebuilds) && self.rows.load.len() == particles.n_owned() {
+            return;
+        }
+        self.rows.rebuilds = Some(rebuilds);
+        self.rows.load.clear();
+        self.rows
+            .load
+            .extend(particles.ids.iter().map(|id| self.ids.binary_search(id).map_or(NO_LOAD, |at| at as u32)));
+        self.rows.kept.resize(particles.n_owned(), [Vec3::zeros(); 2]);
+    }
+
+    /// Words for the state hash.
+    pub(crate) fn words(&self, mut put: impl FnMut(&[f64])) {
+        put(&[self.start_s, self.ramp_s, self.until_s.unwrap_or(f64::INFINITY)]);
+        for (id, loads) in self.ids.iter().zip(self.from.iter().zip(&self.to)) {
+            put(&[*id as f64]);
+            for load in [loads.0, loads.1] {
+                put(load.force.as_slice());
+                put(load.torque.as_slice());
+                put(&[load.drag, load.rotational_drag]);
+            }
+        }
+    }
+
+    /// Whether an engine may have them.
+    pub(crate) fn check(&self) -> Result<(), InvalidInput> {
+        let sorted = self.ids.is_sorted_by(|a, b| a < b) && !self.ids.is_empty();
+        let whole = self.from.len() == self.ids.len() && self.to.len() == self.ids.len();
+        let times = self.start_s.is_finite() && self.ramp_s.is_finite() && self.ramp_s >= 0.0;
+        let finite = self.from.iter().chain(&self.to).all(Load::is_finite) && self.until_s.is_none_or(f64::is_finite);
+        if sorted && whole && times && finite {
+            Ok(())
+        } else {
+            Err(InvalidInput::new("loads", "are no loads of particles"))
+        }
+    }
+}
+
+/// Half a step of the loaded rows of a chunk.
+struct HalfStep<'a> {
+    part: f64,
+    gravity: &'a Vec3,
+    h: f64,
+}
+
+/// Columns of one row.
+struct Row<'a> {
+    velocity: &'a Vec3,
+    momentum: &'a Vec3,
+    rotation: &'a crate::math::Mat3,
+    inertia: &'a Vec3,
+    mass: f64,
+}
+
+impl HalfStep<'_> {
+    /// Velocity and angular momentum after half a step, with the contact force and torque.
+    #[inline(always)]
+    fn after(&self, load: &Load, row: &Row<'_>, force: &Vec3, torque: &Vec3) -> [Vec3; 2] {
+        let acceleration = (force + load.force) / row.mass + self.gravity;
+        let velocity = relaxed(row.velocity, &acceleration, load.drag / row.mass, self.h);
+        let mut in_body = row.rotation.tr_mul(row.momentum);
+        let torque_in_body = row.rotation.tr_mul(&(torque + load.torque));
+        for axis in 0..3 {
+            let z = load.rotational_drag * self.h / row.inertia[axis];
+            in_body[axis] = in_body[axis] * (-z).exp() + torque_in_body[axis] * (self.h * decay_mean(z));
+        }
+        [velocity, row.rotation * in_body]
+    }
+}
+
+impl Engine {
+    /// Replaces the loads; checks everything before it changes anything.
+    pub(crate) fn set_loads(&mut self, description: &LoadDescription) -> Result<(), InvalidInput> {
+        self.check_loads(description)?;
+        self.loads = Loads::new(description, self.loads.as_ref(), self.clock.time_s());
+        Ok(())
+    }
+
+    fn check_loads(&self, description: &LoadDescription) -> Result<(), InvalidInput> {
+        description.check()?;
+        let (epoch, present) = (description.topology_epoch, self.topology_epoch);
+        if epoch != present {
+            let problem = format!("is {epoch}, the particles are of epoch {present}: ask for their ids again");
+            return Err(InvalidInput::new("set_loads.topology_epoch", problem));
+        }
+        let now_s = self.clock.time_s();
+        if let Some(until) = description.valid_until_s.filter(|until| !(until.is_finite() && *until > now_s)) {
+            let problem = format!("is {until} s; must be finite and later than now, {now_s} s");
+            return Err(InvalidInput::new("set_loads.valid_until_s", problem));
+        }
+        let mut present = self.particles.ids.clone();
+        present.sort_unstable();
+        if let Some(k) = description.ids.iter().position(|id| present.binary_search(id).is_err()) {
+            let problem = format!("particle {} does not exist", description.ids[k]);
+            return Err(InvalidInput::new(format!("set_loads.ids[{k}]"), problem));
+        }
+        let mut order: Vec<usize> = (0..description.ids.len()).collect();
+        order.sort_by_key(|&k| description.ids[k]);
+        let twin = order.windows(2).find(|pair| description.ids[pair[0]] == description.ids[pair[1]]);
+        if let Some(&[_, k]) = twin {
+            let problem = format!("particle {} has a load already", description.ids[k]);
+            return Err(InvalidInput::new(format!("set_loads.ids[{k}]"), problem));
+        }
+        Ok(())
+    }
+
+    /// Before the first half kick: makes the kick lead where the loads at the start of the step lead.
+    pub(crate) fn load_first_half(&mut self) {
+        let time_s = self.clock.time_s();
+        if self.loads.as_ref().is_some_and(|loads| loads.are_over(time_s)) {
+            self.loads = None;
+        }
+        self.load_half(time_s);
+    }
+
+    /// After the drift: gives the force columns back, and the contact laws the velocities that loads lead to.
+    pub(crate) fn unload_first_half(&mut self) {
+        self.unload();
+        let Some(loads) = &self.loads else { return };
+        let half = HalfStep {
+            part: loads.part(self.clock.time_s()),
+            gravity: &self.gravity,
+            h: 0.5 * self.clock.time_step_s(),
+        };
+        let Particles { velocity, angular_momentum, rotation, inertia, mass, force, torque, motion, .. } =
+            &mut self.particles;
+        for (row, &load) in loads.rows.load.iter().enumerate().filter(|(_, load)| **load != NO_LOAD) {
+            let load = Load::at(&loads.from[load as usize], &loads.to[load as usize], half.part);
+            let columns = Row {
+                velocity: &velocity[row],
+                momentum: &angular_momentum[row],
+                rotation: &rotation[row],
+                inertia: &inertia[row],
+                mass: mass[row],
+            };
+            let [velocity, momentum] = half.after(&load, &columns, &force[row], &torque[row]);
+            motion[row].velocity = velocity;
+            let rate = rotation[row].tr_mul(&momentum).component_div(&inertia[row]);
+            motion[row].angular_velocity = rotation[row] * rate;
+        }
+    }
+
+    /// Before the second half kick: the same with the loads at the end of the step.
+    pub(crate) fn load_second_half(&mut self) {
+        self.load_half(self.clock.time_after_s(1));
+    }
+
+    /// Gives the force columns back.
+    pub(crate) fn unload(&mut self) {
+        let Some(loads) = &self.loads else { return };
+        let Particles { force, torque, .. } = &mut self.particles;
+        for (row, _) in loads.rows.load.iter().enumerate().filter(|(_, load)| **load != NO_LOAD) {
+            [force[row], torque[row]] = loads.rows.kept[row];
+        }
+    }
+
+    /// Adds to each loaded row's force what makes a plain half kick end where the loads lead, and books their work.
+    fn load_half(&mut self, time_s: f64) {
+        let Some(mut loads) = self.loads.take() else { return };
+        loads.find_rows(&self.particles, self.neighbours.rebuilds);
+        let Rows { load: of_row, mut kept, rebuilds } = std::mem::take(&mut loads.rows);
+        let h = 0.5 * self.clock.time_step_s();
+        let half = HalfStep { part: loads.part(time_s), gravity: &self.gravity, h };
+        let n = self.particles.n_owned();
+        let Particles { velocity, angular_momentum, rotation, inertia, mass, force, torque, .. } = &mut self.particles;
+        let work: Vec<f64> = (
+            of_row.par_chunks(CHUNK),
+            kept.par_chunks_mut(CHUNK),
+            force.par_chunks_mut(CHUNK),
+            torque.par_chunks_mut(CHUNK),
+        )
+            .into_par_iter()
+            .enumerate()
+            .with_min_len(least(n, CHUNK, 40))
+            .map(|(chunk, (of_row, kept, force, torque))| {
+                let mut work = 0.0;
+                for (k, &load) in of_row.iter().enumerate().filter(|(_, load)| **load != NO_LOAD) {
+                    let row = chunk * CHUNK + k;
+                    let load = Load::at(&loads.from[load as usize], &loads.to[load as usize], half.part);
+                    let columns = Row {
+                        velocity: &velocity[row],
+                        momentum: &angular_momentum[row],
+                        rotation: &rotation[row],
+                        inertia: &inertia[row],
+                        mass: mass[row],
+                    };
+                    kept[k] = [force[k], torque[k]];
+                    work += half.add_to(&load, &columns, (&mut force[k], &mut torque[k]));
+                }
+                work
+            })
+            .collect();
+        self.ledger.work_loads += work.iter().sum::<f64>();
+        loads.rows = Rows { load: of_row, kept, rebuilds };
+        self.loads = Some(loads);
+    }
+}
+
+impl HalfStep<'_> {
+    /// Adds the force and torque that a plain half kick needs, and returns the work of the load, J: its impulse times the
+    /// mean of the velocities before and after, which is the energy that it gives the particle.
+    #[inline(always)]
+    fn add_to(&self, load: &Load, row: &Row<'_>, (force, torque): (&mut Vec3, &mut Vec3)) -> f64 {
+        let [velocity, momentum] = self.after(load, row, force, torque);
+        let total_force = (velocity - row.velocity) * (row.mass / self.h) - self.gravity * row.mass;
+        let total_torque = (momentum - row.momentum) / self.h;
+        let rate = |momentum: &Vec3| row.rotation * row.rotation.tr_mul(momentum).component_div(row.inertia);
+        let work = (total_force - *force).dot(&(velocity + row.velocity))
+            + (total_torque - *torque).dot(&(rate(&momentum) + rate(row.momentum)));
+        (*force, *torque) = (total_force, total_torque);
+        0.5 * self.h * work
+    }
+}

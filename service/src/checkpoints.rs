@@ -1,0 +1,254 @@
+//! Saved states by their tokens, in memory and as files; bounded.
+
+use std::collections::BTreeMap;
+use std::io;
+
+use sturz_engine::{CheckpointError, CheckpointSummary};
+use sturz_protocol::v1;
+
+use crate::archive::{Archive, Done, Job, describe};
+use crate::config::Limits;
+use crate::order::error;
+use crate::ticket::{Moment, Ticket};
+
+/// Who waits for a file, and the state that it holds.
+pub type Waiting = (Ticket, Moment);
+
+/// All saved states.
+pub struct Checkpoints {
+    entries: BTreeMap<String, Entry>,
+    /// Sum over the entries in memory.
+    bytes_in_memory: u64,
+    archive: Option<Archive<Waiting>>,
+    made: u64,
+}
+
+struct Entry {
+    checkpoint: v1::Checkpoint,
+    /// `None`: it is a file.
+    bytes: Option<Vec<u8>>,
+}
+
+impl Checkpoints {
+    /// With a folder, and what was found there.
+    pub fn new(archive: Option<(Archive<Waiting>, Vec<v1::Checkpoint>)>) -> Self {
+        let (archive, found) = archive.map_or((None, Vec::new()), |(archive, found)| (Some(archive), found));
+        let entry = |checkpoint: v1::Checkpoint| (checkpoint.token.clone(), Entry { checkpoint, bytes: None });
+        Self { entries: found.into_iter().map(entry).collect(), bytes_in_memory: 0, archive, made: 0 }
+    }
+
+    /// A token that is free.
+    pub fn new_token(&mut self, step: u64) -> String {
+        loop {
+            self.made += 1;
+            let token = format!("step-{step}-{}", self.made);
+            if !self.entries.contains_key(&token) {
+                return token;
+            }
+        }
+    }
+
+    /// Refuses where there is no room for one more, before it is made.
+    pub fn check_room(&self, token: &str, on_disk: bool, limits: &Limits) -> Result<(), v1::Error> {
+        if on_disk && self.archive.is_none() {
+            return Err(no_folder());
+        }
+        let (limit, setting) = match on_disk {
+            true => (limits.checkpoint_files, "checkpoint_files"),
+            false => (limits.checkpoints, "checkpoints"),
+        };
+        let others = self.entries.iter().filter(|(name, entry)| *name != token && entry.bytes.is_none() == on_disk);
+        let others = others.count();
+        if others >= limit {
+            let place = if on_disk { "on disk" } else { "in memory" };
+            let text = format!(
+                "{others} checkpoints are {place}, at most {limit} are allowed (limit `{setting}`): drop one, or replace one by its token"
+            );
+            return Err(error(v1::ErrorCode::TooLarge, "token", text));
+        }
+        Ok(())
+    }
+
+    /// Keeps one in memory.
+    pub fn keep(&mut self, token: &str, bytes: Vec<u8>, limits: &Limits) -> Result<v1::Checkpoint, v1::Error> {
+        let new = bytes.len() as u64;
+        let replaced = self.entries.get(token).map_or(0, Entry::bytes_in_memory);
+        let total = self.bytes_in_memory - replaced + new;
+        if total > limits.checkpoint_bytes {
+            let text = format!(
+                "takes {new} bytes, which makes {total} in memory; at most {} are allowed (limit `checkpoint_bytes`): drop others, or save it on disk",
+                limits.checkpoint_bytes
+            );
+            return Err(error(v1::ErrorCode::TooLarge, "token", text));
+        }
+        let checkpoint = described(token, &bytes, false)?;
+        self.put(Entry { checkpoint: checkpoint.clone(), bytes: Some(bytes) });
+        Ok(checkpoint)
+    }
+
+    /// Sends one to the disk. When it is not taken on, who waits for it comes back, with the reason.
+    pub fn send(&self, token: &str, bytes: Vec<u8>, waiting: Waiting) -> Option<(Waiting, v1::Error)> {
+        let Some(archive) = &self.archive else {
+            return Some((waiting, no_folder()));
+        };
+        let checkpoint = match described(token, &bytes, true) {
+            Ok(checkpoint) => checkpoint,
+            Err(error) => return Some((waiting, error)),
+        };
+        archive.write(Job { checkpoint, bytes, with: waiting }).err().map(|waiting| {
+            let text = "the disk has not taken the checkpoints before this one yet: try again";
+            (waiting, error(v1::ErrorCode::Busy, "on_disk", text))
+        })
+    }
+
+    /// The next file that is done, noted if it is there.
+    pub fn next_done(&mut self) -> Option<(Waiting, Result<v1::Checkpoint, v1::Error>)> {
+        let Done { checkpoint, outcome, with } = self.archive.as_ref()?.next_done()?;
+        match outcome {
+            Ok(()) => {
+                self.put(Entry { checkpoint: checkpoint.clone(), bytes: None });
+                Some((with, Ok(checkpoint)))
+            }
+            Err(failure) => {
+                let text = format!("the checkpoint {:?} could not be written: {failure}", checkpoint.token);
+                Some((with, Err(error(v1::ErrorCode::Disk, "on_disk", text))))
+            }
+        }
+    }
+
+    /// Waits for the files that are on their way.
+    pub fn finish(&mut self) {
+        if let Some(archive) = &mut self.archive {
+            archive.finish();
+        }
+    }
+
+    /// The bytes of a token: in memory, else on disk, be it known or put there by somebody meanwhile.
+    pub fn bytes(&self, token: &str) -> Result<Vec<u8>, v1::Error> {
+        if let Some(Entry { bytes: Some(bytes), .. }) = self.entries.get(token) {
+            return Ok(bytes.clone());
+        }
+        let read = self.archive.as_ref().map(|archive| archive.read(token));
+        match read {
+            Some(Ok(bytes)) => Ok(bytes),
+            Some(Err(failure)) if failure.kind() != io::ErrorKind::NotFound => {
+                let text = format!("the file of {token:?} cannot be read: {failure}");
+                Err(error(v1::ErrorCode::Disk, "token", text))
+            }
+            _ => Err(self.unknown(token)),
+        }
+    }
+
+    /// What `bytes` are, as the checkpoint of a token.
+    pub fn described(&self, token: &str, bytes: &[u8]) -> Result<v1::Checkpoint, CheckpointError> {
+        let on_disk = self.entries.get(token).is_none_or(|entry| entry.bytes.is_none());
+        Ok(describe(token, &CheckpointSummary::read(bytes)?, bytes.len(), on_disk))
+    }
+
+    /// Forgets one, its file included.
+    pub fn drop_one(&mut self, token: &str) -> Result<(), v1::Error> {
+        let Some(entry) = self.entries.get(token) else { return Err(self.unknown(token)) };
+        if entry.bytes.is_none()
+            && let Some(archive) = &self.archive
+        {
+            match archive.remove(token) {
+                Err(failure) if failure.kind() != io::ErrorKind::NotFound => {
+                    let text = format!("the file of {token:?} cannot be removed: {failure}");
+                    return Err(error(v1::ErrorCode::Disk, "token", text));
+                }
+                Ok(()) | Err(_) => {}
+            }
+        }
+        self.forget(token);
+        Ok(())
+    }
+
+    /// All of them, by token.
+    pub fn list(&self) -> Vec<v1::Checkpoint> {
+        self.entries.values().map(|entry| entry.checkpoint.clone()).collect()
+    }
+
+    fn put(&mut self, entry: Entry) {
+        let token = entry.checkpoint.token.clone();
+        self.forget(&token);
+        self.bytes_in_memory += entry.bytes_in_memory();
+        self.entries.insert(token, entry);
+    }
+
+    fn forget(&mut self, token: &str) {
+        if let Some(entry) = self.entries.remove(token) {
+            self.bytes_in_memory -= entry.bytes_in_memory();
+        }
+    }
+
+    fn unknown(&self, token: &str) -> v1::Error {
+        let known: Vec<&String> = self.entries.keys().collect();
+        error(v1::ErrorCode::NotFound, "token", format!("there is no checkpoint {token:?}; there are {known:?}"))
+    }
+}
+
+impl Entry {
+    fn bytes_in_memory(&self) -> u64 {
+        self.bytes.as_ref().map_or(0, |bytes| bytes.len() as u64)
+    }
+}
+
+fn no_folder() -> v1::Error {
+    let text = "the daemon has no folder for checkpoints: start it with --checkpoints DIR";
+    error(v1::ErrorCode::NotFound, "on_disk", text)
+}
+
+fn described(token: &str, bytes: &[u8], on_disk: bool) -> Result<v1::Checkpoint, v1::Error> {
+    let summary = CheckpointSummary::read(bytes);
+    let summary =
+        summary.map_err(|failure| error(v1::ErrorCode::Internal, "", format!("a new checkpoint {failure}")))?;
+    Ok(describe(token, &summary, bytes.len(), on_disk))
+}
+
+#[cfg(test)]
+mod tests {
+    use sturz_engine::Engine;
+    use sturz_engine::scene::{Scene, SceneDescription};
+
+    use super::*;
+
+    fn saved() -> Vec<u8> {
+        let text = "[scene]\nname = \"empty\"\ntime_step_s = 1e-5";
+        Engine::new(Scene::validate(SceneDescription::from_toml(text).unwrap()).unwrap()).checkpoint().unwrap()
+    }
+
+    #[test]
+    fn limits_name_their_settings_and_replacing_needs_no_room() {
+        let bytes = saved();
+        let two = 2 * bytes.len() as u64;
+        let limits = Limits { checkpoints: 3, checkpoint_bytes: two, ..Limits::default() };
+        let mut all = Checkpoints::new(None);
+        for token in ["a", "b"] {
+            all.check_room(token, false, &limits).unwrap();
+            assert_eq!(all.keep(token, bytes.clone(), &limits).unwrap().token, token);
+        }
+        let refused = all.keep("c", bytes.clone(), &limits).unwrap_err();
+        assert!(refused.message.contains("limit `checkpoint_bytes`"), "{}", refused.message);
+        all.keep("a", bytes.clone(), &limits).unwrap();
+        let limits = Limits { checkpoints: 2, ..limits };
+        all.check_room("b", false, &limits).unwrap();
+        let refused = all.check_room("c", false, &limits).unwrap_err();
+        assert_eq!(refused.code(), v1::ErrorCode::TooLarge);
+        assert!(refused.message.contains("at most 2 are allowed (limit `checkpoints`)"), "{}", refused.message);
+        assert_eq!(all.check_room("c", true, &limits).unwrap_err().path, "on_disk");
+        all.drop_one("a").unwrap();
+        assert_eq!(all.drop_one("a").unwrap_err().code(), v1::ErrorCode::NotFound);
+        all.keep("c", bytes, &limits).unwrap();
+        let tokens: Vec<String> = all.list().into_iter().map(|checkpoint| checkpoint.token).collect();
+        assert_eq!(tokens, ["b", "c"]);
+        assert_eq!(all.bytes_in_memory, two);
+    }
+
+    #[test]
+    fn made_tokens_are_free() {
+        let mut all = Checkpoints::new(None);
+        all.keep("step-4-1", saved(), &Limits::default()).unwrap();
+        assert_eq!(all.new_token(4), "step-4-2");
+        assert!(all.bytes("elsewhere").unwrap_err().message.contains("step-4-1"));
+    }
+}
