@@ -14,9 +14,6 @@ use crate::particles::Particles;
 use crate::scene::PointLaws;
 use crate::shape::{PartGeometry, Shape};
 
-/// Least skin over the widest gap that a bond holds over.
-const BEYOND_BONDS: f64 = 1.01;
-
 /// How far a shape's parts reach, for unit scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeReach {
@@ -123,9 +120,8 @@ impl Neighbours {
         let inverse: f64 = particles.radius.iter().map(|radius| 1.0 / radius).sum();
         self.skin = if n == 0 { 0.0 } else { 2.0 * inputs.skin_fraction * n as f64 / inverse };
         if let Some(laws) = inputs.bonds {
-            // a list drops the pairs that are farther apart than the skin: no bond may be among them
             let largest = particles.radius.iter().copied().fold(0.0, f64::max);
-            self.skin = self.skin.max(BEYOND_BONDS * laws.widest_bond(largest));
+            self.skin = self.skin.max(laws.least_skin(largest));
         }
         particles.offset.fill(Vec3::zeros());
         self.levels.build(&particles.radius, self.skin, |row| particles.position[row]);

@@ -84,6 +84,9 @@ impl HertzSection {
     }
 }
 
+/// Least neighbour skin over the widest gap that a bond holds over.
+const BEYOND_BONDS: f64 = 1.01;
+
 /// Normal law of point contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointNormal {
@@ -181,10 +184,11 @@ impl PointLaws {
         self.pairs.iter().any(|pair| pair.cohesion.bond(1.0).is_some())
     }
 
-    /// Widest gap that a bond holds over, between parts of effective radii up to `radius` (m), m.
-    pub(crate) fn widest_bond(&self, radius: f64) -> f64 {
+    /// Least neighbour skin, m: a list drops the pairs that are farther apart than its skin, and no bond may be among them.
+    /// For parts of effective radii up to `radius` (m); 0 without bonds.
+    pub(crate) fn least_skin(&self, radius: f64) -> f64 {
         let gaps = self.pairs.iter().filter_map(|pair| Some(-pair.cohesion.bond(radius)?.overlap_at_breaking()));
-        gaps.fold(0.0, f64::max)
+        BEYOND_BONDS * gaps.fold(0.0, f64::max)
     }
 
     /// Normal stiffness of one point, N/m: with Hertz the one at the reference overlap.

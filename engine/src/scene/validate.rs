@@ -151,7 +151,8 @@ impl Scene {
     /// Along a periodic axis no pair may meet through two images at once.
     pub(crate) fn check_sizes(&self, new: &[NewParticle], path: &str) -> Result<(), InvalidInput> {
         let largest = new.iter().map(|particle| particle.radius).fold(0.0, f64::max);
-        let needed = 4.0 * largest * (1.0 + 2.0 * self.plan.skin_fraction);
+        let bonds = self.point_laws.as_ref().map_or(0.0, |laws| laws.least_skin(largest));
+        let needed = (4.0 * largest * (1.0 + 2.0 * self.plan.skin_fraction)).max(4.0 * (largest + bonds));
         let extent = self.cell.shortest_periodic_extent();
         if needed <= extent {
             return Ok(());
