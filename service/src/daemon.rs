@@ -128,6 +128,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let checkpoints = Checkpoints::new(archive);
     let mut ended = start_physics(scene, options, (inbox, outbox), checkpoints, Arc::clone(&shared))?;
     let intake = intake::open(&session, Arc::clone(&io)).await?;
+    let watch = watch_clients(&session, Arc::clone(&io)).await?;
     let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
     ready(&describe(&session, &keys, run_id).await);
 
@@ -142,7 +143,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     tracing::info!("ending");
     let all = io.limits.open_requests as u32;
     drop(tokio::time::timeout(LAST_REPLIES, io.open.acquire_many(all)).await);
-    drop(intake);
+    drop((intake, watch));
     state.abort();
     report.abort();
     drop(more_events);
@@ -153,6 +154,18 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     drop(token.undeclare().await);
     session.close().await.map_err(|error| anyhow!(error))?;
     Ok(())
+}
+
+/// Notes which clients are there. The callback only notes, and wakes the physics.
+async fn watch_clients(session: &Session, io: Arc<Io>) -> anyhow::Result<zenoh::pubsub::Subscriber<()>> {
+    let key = io.keys.all_clients();
+    let note = move |sample: zenoh::sample::Sample| {
+        let name = sample.key_expr().as_str().rsplit('/').next().unwrap_or_default();
+        io.shared.clients.note(name, sample.kind() == zenoh::sample::SampleKind::Put, io.limits.clients);
+        io.mailbox.wake();
+    };
+    let declared = session.liveliness().declare_subscriber(&key).history(true).callback(note).await;
+    declared.map_err(|error| anyhow!("cannot watch {key}: {error}"))
 }
 
 async fn open_session(bus: &Bus) -> Result<Session, ServeError> {
@@ -212,6 +225,8 @@ fn start_physics(
                 memory: RequestMemory::new(options.limits.remembered_requests),
                 schedule: Schedule::default(),
                 checkpoints,
+                lease: None,
+                last_window: None,
                 meter: Meter::new(totals),
                 revision: 0,
                 stop_time_s,

@@ -14,6 +14,7 @@ pub mod config;
 pub mod daemon;
 mod execute;
 pub mod intake;
+pub mod lease;
 pub mod mailbox;
 pub mod memory;
 pub mod meter;

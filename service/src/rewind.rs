@@ -62,6 +62,7 @@ impl Runner<'_> {
         if let Phase::Failed(_) = self.phase {
             self.phase = Phase::Paused;
         }
+        self.last_window = None;
         let now = self.moment();
         self.shared.set_moment(now);
         self.stop_time_s = self.engine.scene().description().stop.time_s.filter(|&stop| stop > now.time_s);
