@@ -7,6 +7,7 @@
 pub mod advance;
 mod answer;
 pub mod archive;
+pub mod autosave;
 pub mod checkpoints;
 pub mod cli;
 pub mod commands;

@@ -8,6 +8,7 @@ use sturz_engine::{Engine, StepError};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::advance::Window;
+use crate::autosave::Autosave;
 use crate::checkpoints::Checkpoints;
 use crate::config::Limits;
 use crate::lease::{Clients, Lease};
@@ -70,6 +71,7 @@ pub struct Runner<'e> {
     pub(crate) memory: RequestMemory,
     pub(crate) schedule: Schedule,
     pub(crate) checkpoints: Checkpoints,
+    pub(crate) autosave: Option<Autosave>,
     pub(crate) lease: Option<Lease>,
     /// The last window that has led to where the engine is; none since a restore.
     pub(crate) last_window: Option<RequestKey>,
@@ -104,6 +106,7 @@ impl Runner<'_> {
         self.pause_at_stop_time();
 
         let now = Instant::now();
+        self.autosave(now);
         self.meter.tick(now, stepped_s);
         self.offer(now);
 

@@ -3,6 +3,7 @@
 mod common;
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 use std::{fs, thread};
 
 use common::{Daemon, SOON};
@@ -263,4 +264,46 @@ fn a_failed_run_is_paused_where_it_was_sound_and_listeners_hear_of_it() {
     simulation.resume().unwrap();
     simulation.restore("sound").unwrap();
     assert_eq!(simulation.info().unwrap().state(), RunState::Running);
+}
+
+/// Nobody asks for checkpoints; the daemon is killed, and another one starts from the newest that there is.
+#[test]
+fn a_killed_daemon_has_saved_itself_from_time_to_time() {
+    let folder = folder("auto");
+    let arguments = ["--checkpoints", folder.to_str().unwrap(), "--checkpoint-every", "0.05"];
+    let mut daemon = Daemon::serve("auto", HEAP, &arguments);
+    let simulation = daemon.connect();
+    simulation.resume().unwrap();
+    let autos = |simulation: &Simulation| -> Vec<u64> {
+        let mut steps: Vec<u64> = simulation.checkpoints().unwrap().into_iter().map(|saved| saved.step).collect();
+        steps.sort_unstable();
+        steps
+    };
+    let deadline = Instant::now() + SOON;
+    let first = loop {
+        let steps = autos(&simulation);
+        assert!(steps.len() <= 2 && Instant::now() < deadline, "{steps:?}");
+        if steps.len() == 2 {
+            break steps[0];
+        }
+    };
+    while autos(&simulation).contains(&first) {
+        assert!(Instant::now() < deadline, "the oldest is never removed");
+    }
+    daemon.kill();
+    drop(daemon);
+    drop(simulation);
+
+    let again = Daemon::serve("auto", HEAP, &["--checkpoints", arguments[1], "--restore", "newest", "--threads", "2"]);
+    let simulation = again.connect();
+    let newest = simulation.checkpoints().unwrap().into_iter().max_by_key(|saved| saved.step).unwrap();
+    let info = simulation.info().unwrap();
+    assert_eq!((info.step, info.state_hash), (newest.step, newest.state_hash));
+    // the same bits as a run that has never been stopped
+    let undisturbed = Daemon::serve("undisturbed", HEAP, &[]);
+    let other = undisturbed.connect();
+    other.step(newest.step).unwrap();
+    assert_eq!(hash(&other), newest.state_hash);
+    assert_eq!(windows(&simulation, 3), windows(&other, 3));
+    fs::remove_dir_all(&folder).unwrap();
 }
