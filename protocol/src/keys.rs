@@ -9,7 +9,7 @@
 //! | `field/<name>/latest` | query | `FieldFrame` |
 //! | `state/frame`, `field/<name>`, `report` | publication | `Frame`, `FieldFrame`, `Report` |
 //! | `event/{command, run, particles, field, checkpoint}` | advanced publication | `Event` |
-//! | `alive` | liveliness token | |
+//! | `alive`, `client/<client id>` | liveliness tokens of the daemon and of clients | |
 
 use thiserror::Error;
 
@@ -71,13 +71,17 @@ pub enum Verb {
     ListCheckpoints,
     /// Forgets a saved state.
     DropCheckpoint,
+    /// Lets nobody else advance.
+    AcquireLease,
+    /// Lets others advance again.
+    ReleaseLease,
     /// Ends the daemon.
     Stop,
 }
 
 impl Verb {
     /// All of them.
-    pub const ALL: [Verb; 16] = [
+    pub const ALL: [Verb; 18] = [
         Verb::Insert,
         Verb::Remove,
         Verb::SetGravity,
@@ -93,6 +97,8 @@ impl Verb {
         Verb::Restore,
         Verb::ListCheckpoints,
         Verb::DropCheckpoint,
+        Verb::AcquireLease,
+        Verb::ReleaseLease,
         Verb::Stop,
     ];
 
@@ -114,6 +120,8 @@ impl Verb {
             Verb::Restore => "restore",
             Verb::ListCheckpoints => "list_checkpoints",
             Verb::DropCheckpoint => "drop_checkpoint",
+            Verb::AcquireLease => "acquire_lease",
+            Verb::ReleaseLease => "release_lease",
             Verb::Stop => "stop",
         }
     }
@@ -220,6 +228,16 @@ impl Keys {
     /// Every event.
     pub fn all_events(&self) -> String {
         self.key("event/**")
+    }
+
+    /// Liveliness token of a client: what its lease hangs on.
+    pub fn client(&self, client_id: &str) -> String {
+        self.key(&format!("client/{client_id}"))
+    }
+
+    /// Liveliness tokens of all clients.
+    pub fn all_clients(&self) -> String {
+        self.key("client/*")
     }
 
     /// Liveliness token.

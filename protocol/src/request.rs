@@ -24,6 +24,8 @@ pub enum Request {
     Restore(v1::RestoreRequest),
     ListCheckpoints(v1::ListCheckpointsRequest),
     DropCheckpoint(v1::DropCheckpointRequest),
+    AcquireLease(v1::AcquireLeaseRequest),
+    ReleaseLease(v1::ReleaseLeaseRequest),
     Stop(v1::StopRequest),
 }
 
@@ -46,6 +48,8 @@ macro_rules! each {
             Request::Restore($message) => $use,
             Request::ListCheckpoints($message) => $use,
             Request::DropCheckpoint($message) => $use,
+            Request::AcquireLease($message) => $use,
+            Request::ReleaseLease($message) => $use,
             Request::Stop($message) => $use,
         }
     };
@@ -70,6 +74,8 @@ impl Request {
             Verb::Restore => Request::Restore(v1::RestoreRequest::decode(bytes)?),
             Verb::ListCheckpoints => Request::ListCheckpoints(v1::ListCheckpointsRequest::decode(bytes)?),
             Verb::DropCheckpoint => Request::DropCheckpoint(v1::DropCheckpointRequest::decode(bytes)?),
+            Verb::AcquireLease => Request::AcquireLease(v1::AcquireLeaseRequest::decode(bytes)?),
+            Verb::ReleaseLease => Request::ReleaseLease(v1::ReleaseLeaseRequest::decode(bytes)?),
             Verb::Stop => Request::Stop(v1::StopRequest::decode(bytes)?),
         })
     }
@@ -97,6 +103,8 @@ impl Request {
             Request::Restore(_) => Verb::Restore,
             Request::ListCheckpoints(_) => Verb::ListCheckpoints,
             Request::DropCheckpoint(_) => Verb::DropCheckpoint,
+            Request::AcquireLease(_) => Verb::AcquireLease,
+            Request::ReleaseLease(_) => Verb::ReleaseLease,
             Request::Stop(_) => Verb::Stop,
         }
     }

@@ -79,6 +79,7 @@ impl Runner<'_> {
             state_hash: self.engine.state_hash(),
             gravity_m_per_s2: self.snapshot().gravity_m_per_s2,
             fields: self.outbox.fields.iter().map(|f| field_definition_to_wire(&f.definition)).collect(),
+            lease_holder: self.lease_holder(),
         }
     }
 

@@ -11,8 +11,8 @@ use crate::config::Limits;
 use crate::order::error;
 use crate::ticket::{Moment, Ticket};
 
-/// Who waits for a file, and the state that it holds.
-pub type Waiting = (Ticket, Moment);
+/// Who waits for a file, and the state that it holds; `None`: nobody asked for it.
+pub type Waiting = Option<(Ticket, Moment)>;
 
 /// All saved states.
 pub struct Checkpoints {

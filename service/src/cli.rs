@@ -82,6 +82,12 @@ pub struct Serve {
     /// Folder for checkpoints on disk; made if need be. Those that are there can be restored
     #[arg(long, env = "STURZ_CHECKPOINTS", value_name = "DIR")]
     pub checkpoints: Option<PathBuf>,
+    /// Save a checkpoint there in each such interval of wall time, s; the last two are kept, as `auto-<step>`
+    #[arg(long, value_name = "SECONDS", requires = "checkpoints")]
+    pub checkpoint_every: Option<f64>,
+    /// Start from the checkpoint of this token instead of at step 0; `newest`: from the one with the most steps
+    #[arg(long, value_name = "TOKEN", requires = "checkpoints")]
+    pub restore: Option<String>,
     /// Threads of the physics
     #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,

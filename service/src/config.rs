@@ -40,6 +40,8 @@ pub struct Limits {
     pub checkpoint_bytes: u64,
     /// Checkpoints on disk.
     pub checkpoint_files: usize,
+    /// Clients whose liveliness is watched.
+    pub clients: usize,
 }
 
 impl Default for Limits {
@@ -57,6 +59,7 @@ impl Default for Limits {
             checkpoints: 16,
             checkpoint_bytes: 2 << 30,
             checkpoint_files: 100,
+            clients: 256,
         }
     }
 }
@@ -88,6 +91,7 @@ impl Limits {
             checkpoints: self.checkpoints as u64,
             checkpoint_bytes: self.checkpoint_bytes,
             checkpoint_files: self.checkpoint_files as u64,
+            clients: self.clients as u64,
         }
     }
 }

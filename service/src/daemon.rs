@@ -17,6 +17,7 @@ use tokio::sync::{Semaphore, mpsc, oneshot};
 use zenoh::Session;
 
 use crate::archive::Archive;
+use crate::autosave::Autosave;
 use crate::checkpoints::Checkpoints;
 use crate::config::{Bus, Limits};
 use crate::intake::{self, Io};
@@ -53,8 +54,21 @@ pub struct Options {
     pub paused: bool,
     /// Folder for checkpoints on disk.
     pub checkpoints: Option<PathBuf>,
+    /// Wall time between checkpoints that nobody asks for.
+    pub checkpoint_every: Option<Duration>,
+    /// Where to start, instead of at step 0.
+    pub restore: Option<Restore>,
     /// End when standard input does: with whoever started this process.
     pub stop_on_stdin_eof: bool,
+}
+
+/// A checkpoint to start from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Restore {
+    /// The one of the folder with the most steps.
+    Newest,
+    /// The one of this token.
+    Token(String),
 }
 
 /// What a launcher must know, once clients can connect.
@@ -126,8 +140,13 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let stop_on_stdin_eof = options.stop_on_stdin_eof;
     let archive = options.checkpoints.as_deref().map(|folder| Archive::open(folder, letters.clone())).transpose()?;
     let checkpoints = Checkpoints::new(archive);
-    let mut ended = start_physics(scene, options, (inbox, outbox), checkpoints, Arc::clone(&shared))?;
+    let mut engine = Engine::new(scene);
+    if let Some(restore) = &options.restore {
+        go_to(&mut engine, &checkpoints, restore)?;
+    }
+    let mut ended = start_physics(engine, options, (inbox, outbox), checkpoints, Arc::clone(&shared))?;
     let intake = intake::open(&session, Arc::clone(&io)).await?;
+    let watch = watch_clients(&session, Arc::clone(&io)).await?;
     let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
     ready(&describe(&session, &keys, run_id).await);
 
@@ -142,7 +161,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     tracing::info!("ending");
     let all = io.limits.open_requests as u32;
     drop(tokio::time::timeout(LAST_REPLIES, io.open.acquire_many(all)).await);
-    drop(intake);
+    drop((intake, watch));
     state.abort();
     report.abort();
     drop(more_events);
@@ -153,6 +172,18 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     drop(token.undeclare().await);
     session.close().await.map_err(|error| anyhow!(error))?;
     Ok(())
+}
+
+/// Notes which clients are there. The callback only notes, and wakes the physics.
+async fn watch_clients(session: &Session, io: Arc<Io>) -> anyhow::Result<zenoh::pubsub::Subscriber<()>> {
+    let key = io.keys.all_clients();
+    let note = move |sample: zenoh::sample::Sample| {
+        let name = sample.key_expr().as_str().rsplit('/').next().unwrap_or_default();
+        io.shared.clients.note(name, sample.kind() == zenoh::sample::SampleKind::Put, io.limits.clients);
+        io.mailbox.wake();
+    };
+    let declared = session.liveliness().declare_subscriber(&key).history(true).callback(note).await;
+    declared.map_err(|error| anyhow!("cannot watch {key}: {error}"))
 }
 
 async fn open_session(bus: &Bus) -> Result<Session, ServeError> {
@@ -184,9 +215,29 @@ async fn describe(session: &Session, keys: &Keys, run_id: String) -> Ready {
     }
 }
 
+/// Brings a new engine to a saved state.
+fn go_to(engine: &mut Engine, checkpoints: &Checkpoints, restore: &Restore) -> anyhow::Result<()> {
+    let token = match restore {
+        Restore::Token(token) => token.clone(),
+        Restore::Newest => {
+            let newest = checkpoints.list().into_iter().max_by_key(|checkpoint| checkpoint.step);
+            newest
+                .ok_or_else(|| anyhow!("--restore newest: the folder of --checkpoints has no sound checkpoint"))?
+                .token
+        }
+    };
+    let bytes = checkpoints.bytes(&token).map_err(|error| anyhow!("--restore: {}", error.message))?;
+    engine.restore(&bytes).map_err(|failure| anyhow!("--restore: the checkpoint {token:?} {failure}"))?;
+    if engine.clock().is_in_window() {
+        engine.end_window();
+    }
+    tracing::info!("starts from the checkpoint {token:?} of step {}", engine.clock().step());
+    Ok(())
+}
+
 /// Starts the physics on its own thread; the receiver hears when it has ended.
 fn start_physics(
-    scene: Scene,
+    mut engine: Engine,
     options: Options,
     (inbox, mut outbox): (Inbox, Outbox),
     checkpoints: Checkpoints,
@@ -194,11 +245,11 @@ fn start_physics(
 ) -> anyhow::Result<oneshot::Receiver<()>> {
     let (ending, ended) = oneshot::channel();
     let body = move || {
-        let description = scene.description();
+        let description = engine.scene().description();
         description.fields.iter().cloned().for_each(|field| outbox.define_field(field));
-        let stop_time_s = description.stop.time_s;
+        let now_s = engine.clock().time_s();
+        let stop_time_s = description.stop.time_s.filter(|&stop| now_s == 0.0 || stop > now_s);
         let totals = StageTotals::default();
-        let mut engine = Engine::new(scene);
         engine.set_threads(options.threads);
         engine.set_timer(Some(totals.timer()));
         // All of the loop inside the pool: a hand-over per step costs more than a small step.
@@ -212,6 +263,9 @@ fn start_physics(
                 memory: RequestMemory::new(options.limits.remembered_requests),
                 schedule: Schedule::default(),
                 checkpoints,
+                autosave: options.checkpoint_every.map(Autosave::new),
+                lease: None,
+                last_window: None,
                 meter: Meter::new(totals),
                 revision: 0,
                 stop_time_s,

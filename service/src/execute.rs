@@ -18,7 +18,10 @@ impl Runner<'_> {
         match self.memory.admit(&order.key, order.fingerprint, reply) {
             Admission::New(reply) => {
                 let ticket = Ticket::new(order.key.clone(), order.verb, reply);
-                self.begin(order, ticket);
+                match self.check_lease(&order.key, order.verb) {
+                    Ok(()) => self.begin(order, ticket),
+                    Err(error) => self.refuse(ticket, error),
+                }
             }
             Admission::Waits => {}
             Admission::Known(outcome, reply) => self.repeat(&order, *outcome, reply),
@@ -35,11 +38,14 @@ impl Runner<'_> {
         drop(reply.send(Answer { outcome, capture: None }));
     }
 
-    /// The same outcome again; its data only while the state is still at that step.
+    /// The same outcome again; its data only while the state is still the one that it led to.
     fn repeat(&mut self, order: &Order, mut outcome: v1::Outcome, reply: ReplyTo) {
         outcome.repeated = true;
+        let is_there = self.last_window.as_ref() == Some(&order.key);
         let capture = match (&order.body, &outcome.result) {
-            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced))) if advanced.step == self.moment().step => {
+            (Body::Advance { outputs, .. }, Some(Wire::Advanced(advanced)))
+                if is_there && advanced.step == self.moment().step =>
+            {
                 self.capture(outputs)
             }
             _ => None,
@@ -78,6 +84,8 @@ impl Runner<'_> {
             Body::Restore { token } => self.restore(&token),
             Body::ListCheckpoints => Ok(self.list_checkpoints()),
             Body::DropCheckpoint { token } => self.drop_checkpoint(&token),
+            Body::AcquireLease { client } => self.acquire_lease(&client),
+            Body::ReleaseLease { client } => self.release_lease(&client),
             Body::Stop => {
                 self.phase = Phase::Ended;
                 Ok(Wire::Applied(v1::Applied {}))

@@ -7,6 +7,7 @@
 pub mod advance;
 mod answer;
 pub mod archive;
+pub mod autosave;
 pub mod checkpoints;
 pub mod cli;
 pub mod commands;
@@ -14,6 +15,7 @@ pub mod config;
 pub mod daemon;
 mod execute;
 pub mod intake;
+pub mod lease;
 pub mod mailbox;
 pub mod memory;
 pub mod meter;

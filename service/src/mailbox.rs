@@ -92,6 +92,8 @@ pub struct Status {
     pub gravity_m_per_s2: [f64; 3],
     /// Defined fields.
     pub fields: Vec<v1::FieldDefinition>,
+    /// Empty when nobody holds the lease.
+    pub lease_holder: String,
 }
 
 /// A report with what only the daemon knows.

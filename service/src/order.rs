@@ -86,6 +86,16 @@ pub enum Body {
         /// Which.
         token: String,
     },
+    /// Let nobody else advance.
+    AcquireLease {
+        /// Who asks.
+        client: String,
+    },
+    /// Let others advance again.
+    ReleaseLease {
+        /// Who asks.
+        client: String,
+    },
     /// End the daemon.
     Stop,
 }
@@ -163,7 +173,7 @@ fn check_key(key: &RequestKey) -> Result<(), v1::Error> {
 }
 
 /// Commands that cannot wait for a simulated time.
-const AT_ONCE: [Verb; 8] = [
+const AT_ONCE: [Verb; 10] = [
     Verb::Pause,
     Verb::Resume,
     Verb::Step,
@@ -171,6 +181,8 @@ const AT_ONCE: [Verb; 8] = [
     Verb::Restore,
     Verb::ListCheckpoints,
     Verb::DropCheckpoint,
+    Verb::AcquireLease,
+    Verb::ReleaseLease,
     Verb::Stop,
 ];
 
@@ -220,8 +232,14 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
         Request::Restore(request) => Ok(Body::Restore { token: token(&request.token)? }),
         Request::ListCheckpoints(_) => Ok(Body::ListCheckpoints),
         Request::DropCheckpoint(request) => Ok(Body::DropCheckpoint { token: token(&request.token)? }),
+        Request::AcquireLease(_) => Ok(Body::AcquireLease { client: client(request) }),
+        Request::ReleaseLease(_) => Ok(Body::ReleaseLease { client: client(request) }),
         Request::Stop(_) => Ok(Body::Stop),
     }
+}
+
+fn client(request: &Request) -> String {
+    request.header().map_or_else(String::new, |header| header.client_id.clone())
 }
 
 /// It may become the name of a file.

@@ -87,6 +87,7 @@ impl Identity {
             state_hash: status.state_hash,
             gravity_m_per_s2: Some(convert::vec3(status.gravity_m_per_s2)),
             fields: status.fields.clone(),
+            lease_holder: status.lease_holder.clone(),
             ..self.info.clone()
         }
     }
@@ -129,7 +130,7 @@ fn features(limits: &Limits) -> v1::Features {
         commands: Verb::ALL.map(|verb| verb.name().to_string()).to_vec(),
         columns: COLUMN_NAMES.map(|(_, name)| name.to_string()).to_vec(),
         field_quantities: quantities.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
-        capabilities: ["command_put", "at_time", "window", "event_history", "checkpoint", "loads"]
+        capabilities: ["command_put", "at_time", "window", "event_history", "checkpoint", "loads", "lease"]
             .map(String::from)
             .to_vec(),
         limits: Some(limits.to_wire()),

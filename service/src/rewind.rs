@@ -17,7 +17,7 @@ impl Runner<'_> {
         match saved {
             Err(error) => self.refuse(ticket, error),
             Ok(bytes) if on_disk => {
-                if let Some(((ticket, _), error)) = self.checkpoints.send(&token, bytes, (ticket, moment)) {
+                if let Some((Some((ticket, _)), error)) = self.checkpoints.send(&token, bytes, Some((ticket, moment))) {
                     self.refuse(ticket, error);
                 }
             }
@@ -34,7 +34,11 @@ impl Runner<'_> {
 
     /// Answers those whose files are done.
     pub(crate) fn settle_files(&mut self) {
-        while let Some(((ticket, moment), outcome)) = self.checkpoints.next_done() {
+        while let Some((waiting, outcome)) = self.checkpoints.next_done() {
+            let Some((ticket, moment)) = waiting else {
+                self.autosaved(&outcome);
+                continue;
+            };
             let result = match outcome {
                 Ok(checkpoint) => {
                     self.announce_checkpoint("a checkpoint was written", &checkpoint.token);
@@ -62,6 +66,7 @@ impl Runner<'_> {
         if let Phase::Failed(_) = self.phase {
             self.phase = Phase::Paused;
         }
+        self.last_window = None;
         let now = self.moment();
         self.shared.set_moment(now);
         self.stop_time_s = self.engine.scene().description().stop.time_s.filter(|&stop| stop > now.time_s);

@@ -8,12 +8,14 @@ use sturz_engine::{Engine, StepError};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::advance::Window;
+use crate::autosave::Autosave;
 use crate::checkpoints::Checkpoints;
 use crate::config::Limits;
+use crate::lease::{Clients, Lease};
 use crate::mailbox::{Inbox, Letter};
 use crate::memory::RequestMemory;
 use crate::meter::Meter;
-use crate::order::error;
+use crate::order::{RequestKey, error};
 use crate::outbox::{Mark, Notice, Outbox};
 use crate::schedule::Schedule;
 use crate::ticket::Moment;
@@ -39,6 +41,8 @@ pub enum Phase {
 pub struct Shared {
     /// The daemon shall end.
     pub stop: AtomicBool,
+    /// Who is there.
+    pub clients: Clients,
     step: AtomicU64,
     time_bits: AtomicU64,
 }
@@ -67,6 +71,10 @@ pub struct Runner<'e> {
     pub(crate) memory: RequestMemory,
     pub(crate) schedule: Schedule,
     pub(crate) checkpoints: Checkpoints,
+    pub(crate) autosave: Option<Autosave>,
+    pub(crate) lease: Option<Lease>,
+    /// The last window that has led to where the engine is; none since a restore.
+    pub(crate) last_window: Option<RequestKey>,
     pub(crate) meter: Meter,
     /// Counts commands applied and changes of phase.
     pub(crate) revision: u64,
@@ -98,6 +106,7 @@ impl Runner<'_> {
         self.pause_at_stop_time();
 
         let now = Instant::now();
+        self.autosave(now);
         self.meter.tick(now, stepped_s);
         self.offer(now);
 
@@ -116,6 +125,7 @@ impl Runner<'_> {
             }
         }
         self.settle_files();
+        self.watch_lease();
         if self.shared.stop.load(Relaxed) {
             self.phase = Phase::Ended;
         }
@@ -179,6 +189,7 @@ impl Runner<'_> {
         };
         self.leave(&window);
         self.revision += 1;
+        self.last_window = Some(window.ticket.key().clone());
         let result = window.result(self.moment(), reason);
         let capture = window.outputs.as_ref().and_then(|outputs| self.capture(outputs));
         window.ticket.settle(&mut self.memory, window.begun, result, capture);

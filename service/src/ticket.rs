@@ -32,6 +32,11 @@ impl Ticket {
         Self { key, verb, reply }
     }
 
+    /// Which request it is of.
+    pub fn key(&self) -> &RequestKey {
+        &self.key
+    }
+
     /// Which command it is.
     pub fn verb(&self) -> Verb {
         self.verb

@@ -9,6 +9,7 @@ use prost::Message as _;
 use sturz_protocol::keys::{ALL_ALIVE, Keys};
 use sturz_protocol::v1;
 use zenoh::config::EndPoint;
+use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::qos::CongestionControl;
 use zenoh::query::{ConsolidationMode, Reply};
@@ -84,6 +85,11 @@ impl Bus {
     /// Of this session, unique on the bus.
     pub(crate) fn session_id(&self) -> String {
         self.session.zid().to_string()
+    }
+
+    /// Declares a liveliness token, which vanishes with this session.
+    pub(crate) fn declare_token(&self, key: &str) -> Result<LivelinessToken, ClientError> {
+        self.session.liveliness().declare_token(key).wait().map_err(|error| ClientError::bus(&topic(key), error))
     }
 
     /// What to say when the daemon is no longer there.

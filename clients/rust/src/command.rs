@@ -1,6 +1,8 @@
 //! What changes the simulation, at once.
 
-use std::time::Duration;
+use std::sync::PoisonError;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use sturz_protocol::{Request, v1};
 
@@ -154,6 +156,39 @@ impl Simulation {
         self.quick(Request::DropCheckpoint(request)).and_then(read)
     }
 
+    /// Makes this client, and its clones, the only one that may step, advance, resume, restore and set loads. When its
+    /// connection is lost, or its last clone dropped, the run is paused.
+    pub fn acquire_lease(&self) -> Result<Applied, ClientError> {
+        let mut token = self.client.token.lock().unwrap_or_else(PoisonError::into_inner);
+        let had_one = token.is_some();
+        if !had_one {
+            *token = Some(self.bus.declare_token(&self.bus.keys.client(&self.client.id))?);
+        }
+        let deadline = Instant::now() + TOKEN_SEEN;
+        loop {
+            let request = Request::AcquireLease(v1::AcquireLeaseRequest { header: None });
+            match self.quick(request).and_then(read) {
+                // The token may still be on its way.
+                Err(error) if is_token_unseen(&error) && Instant::now() < deadline => thread::sleep(TOKEN_RETRY),
+                Err(error) => {
+                    if !had_one {
+                        *token = None;
+                    }
+                    return Err(error);
+                }
+                acquired => return acquired,
+            }
+        }
+    }
+
+    /// Lets others advance again; the run goes on.
+    pub fn release_lease(&self) -> Result<Applied, ClientError> {
+        let request = Request::ReleaseLease(v1::ReleaseLeaseRequest { header: None });
+        let released = self.quick(request).and_then(read)?;
+        *self.client.token.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        Ok(released)
+    }
+
     /// Ends the daemon, and waits until it is gone.
     pub fn stop(&self) -> Result<(), ClientError> {
         match self.quick(Request::Stop(v1::StopRequest { header: None })) {
@@ -168,6 +203,14 @@ impl Simulation {
             Err(ClientError::Timeout { what: "the end of the daemon".into(), after: self.patience, request_id: None })
         }
     }
+}
+
+/// How long the daemon may take to see a token, and when to look again.
+const TOKEN_SEEN: Duration = Duration::from_secs(2);
+const TOKEN_RETRY: Duration = Duration::from_millis(20);
+
+fn is_token_unseen(error: &ClientError) -> bool {
+    error.refusal().is_some_and(|no| no.code == v1::ErrorCode::Lease && no.path == "header.client_id")
 }
 
 pub(crate) fn remove(ids: impl IntoIterator<Item = u64>) -> Request {

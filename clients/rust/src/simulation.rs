@@ -7,6 +7,7 @@ use std::time::Duration;
 use prost::Message;
 use sturz_protocol::keys::check_name;
 use sturz_protocol::v1;
+use zenoh::liveliness::LivelinessToken;
 
 use crate::bus::Bus;
 use crate::error::ClientError;
@@ -40,6 +41,8 @@ pub(crate) struct Client {
     pub(crate) id: String,
     requests: AtomicU64,
     time_s: Mutex<Option<f64>>,
+    /// What the lease hangs on.
+    pub(crate) token: Mutex<Option<LivelinessToken>>,
 }
 
 impl Client {
@@ -68,7 +71,7 @@ impl Simulation {
     pub fn connect(name: &str, endpoint: &str, timeout: Duration) -> Result<Self, ClientError> {
         let bus = Bus::open(name, endpoint, timeout)?;
         let id = format!("rust-{}-{}", std::process::id(), bus.session_id());
-        let client = Client { id, requests: AtomicU64::new(1), time_s: Mutex::new(None) };
+        let client = Client { id, requests: AtomicU64::new(1), time_s: Mutex::new(None), token: Mutex::new(None) };
         Ok(Self { bus: Arc::new(bus), client: Arc::new(client), patience: PATIENCE })
     }
 

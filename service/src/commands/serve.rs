@@ -1,9 +1,11 @@
 //! `sturz serve`
 
+use std::time::Duration;
+
 use crate::cli;
 use crate::commands::{Failure, runtime};
 use crate::config::{Bus, DEFAULT_LISTEN, Limits};
-use crate::daemon::{self, Options, Ready, ServeError};
+use crate::daemon::{self, Options, Ready, Restore, ServeError};
 use crate::scenes;
 
 /// Serves a scene until it is told to end.
@@ -20,6 +22,8 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
     let bus = Bus { listen, connect: options.connect, file: options.config };
     bus.check_exposure(options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
     let limits = Limits::load(options.limits.as_deref()).map_err(|error| Failure::Usage(format!("{error:#}")))?;
+    let checkpoint_every = options.checkpoint_every.map(interval).transpose()?;
+    let restore = options.restore.map(start).transpose()?;
     let (json, paused) = (options.json, options.paused);
     let options = Options {
         instance,
@@ -28,6 +32,8 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
         threads: options.threads.into(),
         paused,
         checkpoints: options.checkpoints,
+        checkpoint_every,
+        restore,
         stop_on_stdin_eof: options.stop_on_stdin_eof,
     };
     let ready = |ready: &Ready| announce(ready, paused, json);
@@ -35,6 +41,19 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
         ServeError::Other(error) => Failure::Other(error),
         refused => Failure::Bus(refused.to_string()),
     })
+}
+
+fn interval(seconds: f64) -> Result<Duration, Failure> {
+    let positive = Duration::try_from_secs_f64(seconds).ok().filter(|every| !every.is_zero());
+    positive.ok_or_else(|| Failure::Usage(format!("--checkpoint-every is {seconds}, must be positive and finite")))
+}
+
+fn start(token: String) -> Result<Restore, Failure> {
+    if token == "newest" {
+        return Ok(Restore::Newest);
+    }
+    sturz_protocol::keys::check_name(&token).map_err(|error| Failure::Usage(format!("--restore: {error}")))?;
+    Ok(Restore::Token(token))
 }
 
 fn announce(ready: &Ready, paused: bool, json: bool) {

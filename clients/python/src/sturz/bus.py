@@ -117,6 +117,11 @@ class Bus:
         for listener in listeners:
             listener(True)
 
+    def declare_token(self, key: str) -> Any:
+        """A liveliness token under the instance, which vanishes with this session; `undeclare` takes it back."""
+        self.check()
+        return self._session.liveliness().declare_token(f"{self.root}/{key}")
+
     def close(self) -> None:
         """Closes the session; streams end."""
         with self._lock:

@@ -23,6 +23,7 @@ class ErrorCode(enum.IntEnum):
     INTERNAL = 12
     UNUSABLE_CHECKPOINT = 13
     DISK = 14
+    LEASE = 15
 
     @classmethod
     def _missing_(cls, value: object) -> ErrorCode:

@@ -7,6 +7,7 @@ import itertools
 import os
 import secrets
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -31,8 +32,8 @@ from .status import Checkpoint, Event, Features, Info, Report
 from .stream import Stream
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
-StopReason = Literal["unspecified", "complete", "paused", "stopped"]
-_STOP_REASONS: tuple[StopReason, ...] = ("unspecified", "complete", "paused", "stopped")
+StopReason = Literal["unspecified", "complete", "paused", "stopped", "lease_lost"]
+_STOP_REASONS: tuple[StopReason, ...] = ("unspecified", "complete", "paused", "stopped", "lease_lost")
 FloatType = Literal["f64", "f32"]
 T = TypeVar("T")
 
@@ -80,7 +81,8 @@ class Stepped:
         time_reached_s: simulated time now, s.
         step: steps done by the state now.
         steps_done: by this command.
-        stop_reason: ``complete``, ``paused`` (by a `pause`) or ``stopped`` (by the end of the daemon).
+        stop_reason: ``complete``, ``paused`` (by a `pause`), ``stopped`` (by the end of the daemon) or
+            ``lease_lost`` (the holder of the lease was lost).
     """
 
     time_reached_s: float
@@ -183,6 +185,7 @@ class Simulation:
         self._later = threading.local()
         self._lock = threading.Lock()
         self._streams: list[Stream[Any]] = []
+        self._token: Any = None
 
     def __repr__(self) -> str:
         return f"Simulation({self.instance!r} at {self._bus.endpoint})"
@@ -749,6 +752,37 @@ class Simulation:
     def drop_checkpoint(self, *, token: str) -> None:
         """Forgets a saved state, its file included."""
         self._quick("drop_checkpoint", pb.DropCheckpointRequest(token=token))
+
+    def acquire_lease(self) -> None:
+        """Makes this client the only one that may step, advance, resume, restore and set loads.
+
+        Others observe, and may steer, pause and stop. When this client is lost or closed, the run is paused.
+        """
+        had_one = self._token is not None
+        if not had_one:
+            self._token = self._bus.declare_token(f"client/{self.client_id}")
+        deadline = time.monotonic() + 2.0
+        while True:
+            try:
+                self._quick("acquire_lease", pb.AcquireLeaseRequest())
+                return
+            except CommandError as error:
+                unseen = error.code is ErrorCode.LEASE and error.path == "header.client_id"
+                if not unseen or time.monotonic() > deadline:
+                    if not had_one:
+                        self._drop_token()
+                    raise
+                time.sleep(0.02)  # the token is on its way
+
+    def release_lease(self) -> None:
+        """Lets others advance again; the run goes on."""
+        self._quick("release_lease", pb.ReleaseLeaseRequest())
+        self._drop_token()
+
+    def _drop_token(self) -> None:
+        token, self._token = self._token, None
+        if token is not None:
+            token.undeclare()
 
     # Streams.
 

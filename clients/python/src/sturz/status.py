@@ -45,6 +45,7 @@ class EventKind(enum.IntEnum):
     FIELD = 8
     CHECKPOINT = 9
     RESTORED = 10
+    LEASE = 11
 
     @classmethod
     def _missing_(cls, value: object) -> EventKind:
@@ -160,6 +161,7 @@ class Info:
         shapes: names that `State.shapes` indexes.
         scene_toml: the whole scene as it was started.
         threads: of the physics.
+        lease_holder: id of the client that holds the lease; empty when none does.
     """
 
     version: str
@@ -184,6 +186,7 @@ class Info:
     shapes: tuple[str, ...]
     scene_toml: str
     threads: int
+    lease_holder: str
 
     @classmethod
     def from_message(cls, message: pb.Info) -> Info:
@@ -210,6 +213,7 @@ class Info:
             shapes=tuple(message.shapes),
             scene_toml=message.scene_toml,
             threads=message.threads,
+            lease_holder=message.lease_holder,
         )
 
     def boundary(self, name: str) -> Boundary:
@@ -227,7 +231,7 @@ class Info:
 @dataclass(frozen=True)
 class Limits:
     """What the daemon refuses to exceed: bytes of a request, particles, requests waiting and remembered, fields,
-    checkpoints in memory (and their bytes together) and on disk."""
+    checkpoints in memory (and their bytes together) and on disk, clients whose liveliness is watched."""
 
     message_bytes: int
     insertion_particles: int
@@ -239,6 +243,7 @@ class Limits:
     checkpoints: int
     checkpoint_bytes: int
     checkpoint_files: int
+    clients: int
 
 
 @dataclass(frozen=True)

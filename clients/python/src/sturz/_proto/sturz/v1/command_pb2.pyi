@@ -13,6 +13,7 @@ class StopReason(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     STOP_REASON_COMPLETE: _ClassVar[StopReason]
     STOP_REASON_PAUSED: _ClassVar[StopReason]
     STOP_REASON_STOPPED: _ClassVar[StopReason]
+    STOP_REASON_LEASE_LOST: _ClassVar[StopReason]
 
 class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -31,10 +32,12 @@ class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     ERROR_CODE_INTERNAL: _ClassVar[ErrorCode]
     ERROR_CODE_UNUSABLE_CHECKPOINT: _ClassVar[ErrorCode]
     ERROR_CODE_DISK: _ClassVar[ErrorCode]
+    ERROR_CODE_LEASE: _ClassVar[ErrorCode]
 STOP_REASON_UNSPECIFIED: StopReason
 STOP_REASON_COMPLETE: StopReason
 STOP_REASON_PAUSED: StopReason
 STOP_REASON_STOPPED: StopReason
+STOP_REASON_LEASE_LOST: StopReason
 ERROR_CODE_UNSPECIFIED: ErrorCode
 ERROR_CODE_UNDECODABLE: ErrorCode
 ERROR_CODE_INVALID_INPUT: ErrorCode
@@ -50,6 +53,7 @@ ERROR_CODE_STOPPING: ErrorCode
 ERROR_CODE_INTERNAL: ErrorCode
 ERROR_CODE_UNUSABLE_CHECKPOINT: ErrorCode
 ERROR_CODE_DISK: ErrorCode
+ERROR_CODE_LEASE: ErrorCode
 
 class CommandHeader(_message.Message):
     __slots__ = ("client_id", "request_id", "at_time_s")
@@ -396,6 +400,18 @@ class DropCheckpointRequest(_message.Message):
     header: CommandHeader
     token: str
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., token: _Optional[str] = ...) -> None: ...
+
+class AcquireLeaseRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
+
+class ReleaseLeaseRequest(_message.Message):
+    __slots__ = ("header",)
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ...) -> None: ...
 
 class StopRequest(_message.Message):
     __slots__ = ("header",)

@@ -30,6 +30,7 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_FIELD: _ClassVar[EventKind]
     EVENT_KIND_CHECKPOINT: _ClassVar[EventKind]
     EVENT_KIND_RESTORED: _ClassVar[EventKind]
+    EVENT_KIND_LEASE: _ClassVar[EventKind]
 
 class Severity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -54,13 +55,14 @@ EVENT_KIND_PARTICLES: EventKind
 EVENT_KIND_FIELD: EventKind
 EVENT_KIND_CHECKPOINT: EventKind
 EVENT_KIND_RESTORED: EventKind
+EVENT_KIND_LEASE: EventKind
 SEVERITY_UNSPECIFIED: Severity
 SEVERITY_INFO: Severity
 SEVERITY_WARNING: Severity
 SEVERITY_ERROR: Severity
 
 class Info(_message.Message):
-    __slots__ = ("version", "schema_version", "instance", "run_id", "scene", "pid", "state", "failure", "sim_time_s", "step", "time_step_s", "particles", "topology_epoch", "state_hash", "gravity_m_per_s2", "domain", "fields", "boundaries", "materials", "shapes", "scene_toml", "threads")
+    __slots__ = ("version", "schema_version", "instance", "run_id", "scene", "pid", "state", "failure", "sim_time_s", "step", "time_step_s", "particles", "topology_epoch", "state_hash", "gravity_m_per_s2", "domain", "fields", "boundaries", "materials", "shapes", "scene_toml", "threads", "lease_holder")
     VERSION_FIELD_NUMBER: _ClassVar[int]
     SCHEMA_VERSION_FIELD_NUMBER: _ClassVar[int]
     INSTANCE_FIELD_NUMBER: _ClassVar[int]
@@ -83,6 +85,7 @@ class Info(_message.Message):
     SHAPES_FIELD_NUMBER: _ClassVar[int]
     SCENE_TOML_FIELD_NUMBER: _ClassVar[int]
     THREADS_FIELD_NUMBER: _ClassVar[int]
+    LEASE_HOLDER_FIELD_NUMBER: _ClassVar[int]
     version: str
     schema_version: int
     instance: str
@@ -105,7 +108,8 @@ class Info(_message.Message):
     shapes: _containers.RepeatedScalarFieldContainer[str]
     scene_toml: str
     threads: int
-    def __init__(self, version: _Optional[str] = ..., schema_version: _Optional[int] = ..., instance: _Optional[str] = ..., run_id: _Optional[str] = ..., scene: _Optional[str] = ..., pid: _Optional[int] = ..., state: _Optional[_Union[RunState, str]] = ..., failure: _Optional[str] = ..., sim_time_s: _Optional[float] = ..., step: _Optional[int] = ..., time_step_s: _Optional[float] = ..., particles: _Optional[int] = ..., topology_epoch: _Optional[int] = ..., state_hash: _Optional[int] = ..., gravity_m_per_s2: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., domain: _Optional[_Union[Domain, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldDefinition, _Mapping]]] = ..., boundaries: _Optional[_Iterable[_Union[BoundaryInfo, _Mapping]]] = ..., materials: _Optional[_Iterable[str]] = ..., shapes: _Optional[_Iterable[str]] = ..., scene_toml: _Optional[str] = ..., threads: _Optional[int] = ...) -> None: ...
+    lease_holder: str
+    def __init__(self, version: _Optional[str] = ..., schema_version: _Optional[int] = ..., instance: _Optional[str] = ..., run_id: _Optional[str] = ..., scene: _Optional[str] = ..., pid: _Optional[int] = ..., state: _Optional[_Union[RunState, str]] = ..., failure: _Optional[str] = ..., sim_time_s: _Optional[float] = ..., step: _Optional[int] = ..., time_step_s: _Optional[float] = ..., particles: _Optional[int] = ..., topology_epoch: _Optional[int] = ..., state_hash: _Optional[int] = ..., gravity_m_per_s2: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., domain: _Optional[_Union[Domain, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldDefinition, _Mapping]]] = ..., boundaries: _Optional[_Iterable[_Union[BoundaryInfo, _Mapping]]] = ..., materials: _Optional[_Iterable[str]] = ..., shapes: _Optional[_Iterable[str]] = ..., scene_toml: _Optional[str] = ..., threads: _Optional[int] = ..., lease_holder: _Optional[str] = ...) -> None: ...
 
 class Domain(_message.Message):
     __slots__ = ("min_m", "max_m", "periodic_x", "periodic_y", "periodic_z")
@@ -190,7 +194,7 @@ class Features(_message.Message):
     def __init__(self, commands: _Optional[_Iterable[str]] = ..., columns: _Optional[_Iterable[str]] = ..., field_quantities: _Optional[_Iterable[str]] = ..., capabilities: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., scene_schema_json: _Optional[str] = ...) -> None: ...
 
 class Limits(_message.Message):
-    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files")
+    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files", "clients")
     MESSAGE_BYTES_FIELD_NUMBER: _ClassVar[int]
     INSERTION_PARTICLES_FIELD_NUMBER: _ClassVar[int]
     PARTICLES_FIELD_NUMBER: _ClassVar[int]
@@ -201,6 +205,7 @@ class Limits(_message.Message):
     CHECKPOINTS_FIELD_NUMBER: _ClassVar[int]
     CHECKPOINT_BYTES_FIELD_NUMBER: _ClassVar[int]
     CHECKPOINT_FILES_FIELD_NUMBER: _ClassVar[int]
+    CLIENTS_FIELD_NUMBER: _ClassVar[int]
     message_bytes: int
     insertion_particles: int
     particles: int
@@ -211,7 +216,8 @@ class Limits(_message.Message):
     checkpoints: int
     checkpoint_bytes: int
     checkpoint_files: int
-    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ..., checkpoints: _Optional[int] = ..., checkpoint_bytes: _Optional[int] = ..., checkpoint_files: _Optional[int] = ...) -> None: ...
+    clients: int
+    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ..., checkpoints: _Optional[int] = ..., checkpoint_bytes: _Optional[int] = ..., checkpoint_files: _Optional[int] = ..., clients: _Optional[int] = ...) -> None: ...
 
 class Plan(_message.Message):
     __slots__ = ("lines",)

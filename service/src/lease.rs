@@ -1,0 +1,143 @@
+//! Who may let time go on: the holder of the lease, as long as its liveliness lasts; anybody while there is none.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
+
+use sturz_protocol::keys::{Verb, check_name};
+use sturz_protocol::v1::{self, outcome::Result as Wire};
+
+use crate::order::{RequestKey, error};
+use crate::runner::{Phase, Runner};
+
+/// Clients whose liveliness tokens are there. Written by the bus, read by the physics.
+#[derive(Default)]
+pub struct Clients {
+    alive: Mutex<BTreeSet<String>>,
+    changes: AtomicU64,
+}
+
+impl Clients {
+    /// The bus has heard of a client. Of those that would be more than `most`, nothing is noted.
+    pub fn note(&self, name: &str, is_alive: bool, most: usize) {
+        let mut alive = self.alive.lock().unwrap_or_else(PoisonError::into_inner);
+        if !is_alive {
+            alive.remove(name);
+        } else if alive.len() < most {
+            alive.insert(name.into());
+        } else if !alive.contains(name) {
+            tracing::warn!("{name} is not watched: {most} clients are (limit `clients`)");
+        }
+        drop(alive);
+        self.changes.fetch_add(1, Relaxed);
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.alive.lock().unwrap_or_else(PoisonError::into_inner).contains(name)
+    }
+
+    fn changes(&self) -> u64 {
+        self.changes.load(Relaxed)
+    }
+}
+
+/// Who holds it, and the changes among the clients that this was checked against.
+pub struct Lease {
+    holder: String,
+    checked: u64,
+}
+
+/// What others than the holder may not do.
+const HOLDERS_ONLY: [Verb; 5] = [Verb::Step, Verb::Advance, Verb::Resume, Verb::Restore, Verb::SetLoads];
+
+impl Runner<'_> {
+    /// Refuses what only the holder of the lease may do.
+    pub(crate) fn check_lease(&self, key: &RequestKey, verb: Verb) -> Result<(), v1::Error> {
+        match &self.lease {
+            Some(lease) if HOLDERS_ONLY.contains(&verb) && lease.holder != key.client_id => {
+                let text = format!("{:?} holds the lease: only that client may {} now", lease.holder, verb.name());
+                Err(error(v1::ErrorCode::Lease, "", text))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Gives the lease to a client that is alive, unless another one has it.
+    pub(crate) fn acquire_lease(&mut self, client: &str) -> Result<Wire, v1::Error> {
+        self.watch_lease();
+        check_name(client)
+            .map_err(|problem| error(v1::ErrorCode::InvalidInput, "header.client_id", problem.to_string()))?;
+        if let Some(lease) = self.lease.as_ref().filter(|lease| lease.holder != client) {
+            let text = format!("{:?} holds the lease", lease.holder);
+            return Err(error(v1::ErrorCode::Lease, "", text));
+        }
+        let checked = self.shared.clients.changes();
+        if !self.shared.clients.has(client) {
+            let text = format!(
+                "the liveliness token client/{client} is not declared: it is how the loss of this client shows"
+            );
+            return Err(error(v1::ErrorCode::Lease, "header.client_id", text));
+        }
+        if self.lease.replace(Lease { holder: client.into(), checked }).is_none() {
+            self.announce_lease("the lease was acquired", v1::Severity::Info, client);
+        }
+        Ok(Wire::Applied(v1::Applied {}))
+    }
+
+    /// Takes the lease back from its holder.
+    pub(crate) fn release_lease(&mut self, client: &str) -> Result<Wire, v1::Error> {
+        match &self.lease {
+            Some(lease) if lease.holder == client => {
+                self.lease = None;
+                self.announce_lease("the lease was released", v1::Severity::Info, client);
+                Ok(Wire::Applied(v1::Applied {}))
+            }
+            Some(lease) => Err(error(v1::ErrorCode::Lease, "", format!("{:?} holds the lease", lease.holder))),
+            None => Err(error(v1::ErrorCode::Lease, "", "nobody holds the lease")),
+        }
+    }
+
+    /// Pauses when the holder of the lease was lost.
+    pub(crate) fn watch_lease(&mut self) {
+        let Some(lease) = &mut self.lease else { return };
+        let changes = self.shared.clients.changes();
+        if std::mem::replace(&mut lease.checked, changes) == changes || self.shared.clients.has(&lease.holder) {
+            return;
+        }
+        let holder = std::mem::take(&mut lease.holder);
+        self.lease = None;
+        tracing::warn!("the holder of the lease, {holder}, was lost");
+        self.announce_lease("the holder of the lease was lost", v1::Severity::Warning, &holder);
+        self.finish_window(v1::StopReason::LeaseLost);
+        if self.phase == Phase::Running {
+            self.set_phase(Phase::Paused, "the simulation is paused: the holder of the lease was lost");
+        }
+    }
+
+    /// Who holds it; empty when nobody does.
+    pub(crate) fn lease_holder(&self) -> String {
+        self.lease.as_ref().map_or_else(String::new, |lease| lease.holder.clone())
+    }
+
+    fn announce_lease(&self, message: &str, severity: v1::Severity, client: &str) {
+        self.announce_named(v1::EventKind::Lease, severity, message, client);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clients_are_noted_up_to_the_limit() {
+        let clients = Clients::default();
+        for name in ["a", "b", "c", "a"] {
+            clients.note(name, true, 2);
+        }
+        assert!(clients.has("a") && clients.has("b") && !clients.has("c"));
+        clients.note("a", false, 2);
+        clients.note("c", true, 2);
+        assert!(!clients.has("a") && clients.has("c"));
+        assert_eq!(clients.changes(), 6);
+    }
+}
