@@ -22,6 +22,7 @@ from .errors import (
 )
 from .field import Field, FieldDefinition, FieldMean, Grid
 from .loads import Loads
+from .participant import CouplingError, Participant
 from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, launch
 from .state import BoundaryState, ColumnMissing, Header, Shape, State
 from .status import (
@@ -50,6 +51,7 @@ __all__ = [
     "Checkpoint",
     "ColumnMissing",
     "CommandError",
+    "CouplingError",
     "Cylinder",
     "DaemonGone",
     "Domain",
@@ -69,6 +71,7 @@ __all__ = [
     "Loads",
     "NoAnswer",
     "NotConnected",
+    "Participant",
     "ProtocolError",
     "Report",
     "RunState",
