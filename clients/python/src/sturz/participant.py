@@ -56,8 +56,8 @@ class Participant:
 
     **Implicit** (`converge` given): each window is repeated from its start, with the loads of the last iteration, until
     what is read at its end changes from one iteration to the next by no more than the relative tolerances. The
-    particles go back to the bit; when `requires_reading_checkpoint` says so after `advance`, the other side must go back,
-    too.
+    particles go back to the bit; when `requires_reading_checkpoint` says so after `advance`, the other side must go
+    back, too.
     `read` then still gives the end of the rejected iteration: it is what the next one starts from.
 
     The participant holds the lease of the simulation: nobody else can let its time go on.
