@@ -28,9 +28,7 @@ pub fn start_apart(workload: &Workload, bed: &Bed, softness: Softness, contact: 
     const STRETCH: f64 = 4.0;
     let scene = Workload { side_m: workload.side_m * STRETCH, ..workload.clone() }.scene(softness);
     let mut description = SceneDescription::from_toml(&scene.contact(contact).text())?;
-    let lift = [workload.size_m; 3];
-    description.insertions =
-        insertions(bed, |position| vec![[0, 1, 2].map(|axis| position[axis] * STRETCH + lift[axis])]);
+    description.insertions = insertions(bed, |position| vec![position.map(|x| x * STRETCH)]);
     Ok(Engine::new(Scene::validate(description)?))
 }
 
