@@ -58,8 +58,14 @@ motion = { kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0],
     text
 }
 
-fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {
-    let mut engine = engine(&drum());
+fn rounded_cube(half: f64, radius: f64) -> String {
+    let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half });
+    let corners: Vec<_> = (0..8).map(corner).collect();
+    format!("kind = \"rounded_polyhedron\", radius_m = {radius:?}, vertices_m = {corners:?}")
+}
+
+fn hashes(text: &str, threads: usize, drop_caches_every: u64) -> Vec<u64> {
+    let mut engine = engine(text);
     engine.set_threads(threads);
     let mut hashes = Vec::new();
     for _ in 0..4 {
@@ -79,18 +85,28 @@ fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {
 
 #[test]
 fn threads_and_caches_are_invisible_in_the_bits() {
-    let reference = hashes(1, 5000);
-    assert_eq!(hashes(2, 5000), reference);
-    assert_eq!(hashes(4, 5), reference);
+    let text = drum();
+    let reference = hashes(&text, 1, 5000);
+    assert_eq!(hashes(&text, 2, 5000), reference);
+    assert_eq!(hashes(&text, 4, 5), reference);
+}
+
+/// The drum with rounded cubes in place of the sharp ones.
+#[test]
+fn rounded_cubes_among_cylinders_keep_the_bits() {
+    let text = drum().replace("kind = \"cube\", edge_m = 3e-3", &rounded_cube(1.2e-3, 3e-4));
+    assert!(text.contains("rounded_polyhedron"));
+    let reference = hashes(&text, 1, 5000);
+    assert_eq!(hashes(&text, 2, 5000), reference);
+    assert_eq!(hashes(&text, 2, 5), reference);
 }
 
 /// A tower of five, alternately upright cylinders and cubes: it stands, and carries its weight.
-#[test]
-fn a_tower_of_cylinders_and_cubes_stands() {
+fn tower_stands(block: &str) {
     let pair = "stiffness_n_per_m = 1e6\nrestitution = 0.3\nfriction = 0.5";
     let mut text = header([0.0, 0.0, -9.81], 1e-5, "", pair) + &plane("floor", [0.0; 3], [0.0, 0.0, 1.0]);
     text += "[[shape]]\nname = \"c\"\ngeometry = { kind = \"cylinder\", radius_m = 0.05, length_m = 0.1 }\n";
-    text += "[[shape]]\nname = \"b\"\ngeometry = { kind = \"cube\", edge_m = 0.1 }\n";
+    text += &format!("[[shape]]\nname = \"b\"\ngeometry = {{ {block} }}\n");
     let half = 0.5f64.sqrt();
     for k in 0..5 {
         let (name, q) = if k % 3 == 2 { ("b", [1.0, 0.0, 0.0, 0.0]) } else { ("c", [half, 0.0, half, 0.0]) };
@@ -110,6 +126,91 @@ fn a_tower_of_cylinders_and_cubes_stands() {
     assert!(kinetic < 1e-9 * mass * 9.81 * 0.1, "{kinetic:e}");
     assert_eq!((report.touching_boundary_pairs, report.touching_pairs), (1, 4));
     assert!((report.largest_overlap_m / (mass * 9.81 / 1e6) - 1.0).abs() < 0.15, "{report:?}");
+}
+
+#[test]
+fn a_tower_of_cylinders_and_cubes_stands() {
+    tower_stands("kind = \"cube\", edge_m = 0.1");
+}
+
+#[test]
+fn a_tower_of_cylinders_and_rounded_cubes_stands() {
+    tower_stands(&rounded_cube(0.045, 0.005));
+}
+
+/// A cylinder of 1 m that meets a rounded cube without friction and damping, 1e-3 m deep: |dE| / E at Tc / `steps_per_contact`,
+/// `None` if they miss.
+fn energy_error(turn: [f64; 4], offset: [f64; 2], steps_per_contact: f64) -> Option<f64> {
+    let pair = "stiffness_n_per_m = 1e9\nrestitution = 1.0\nfriction = 0.0";
+    let contact_s = std::f64::consts::PI / (1e9f64 / 450.0).sqrt();
+    // of a hit of one spring, 450 kg reduced, that reaches 1e-3 m
+    let speed = 1e-3 * std::f64::consts::PI / contact_s;
+    let mut text = header([0.0; 3], contact_s / steps_per_contact, "", pair);
+    let shapes =
+        [("c", "kind = \"cylinder\", radius_m = 0.5, length_m = 1.0".to_owned()), ("b", rounded_cube(0.45, 0.05))];
+    let [y, z] = offset;
+    let poses = [([0.0; 3], [1.0, 0.0, 0.0, 0.0], 0.5 * speed), ([1.55, y, z], turn, -0.5 * speed)];
+    for ((name, geometry), (x, q, v)) in shapes.iter().zip(poses) {
+        text += &format!(
+            "[[shape]]\nname = \"{name}\"\ngeometry = {{ {geometry} }}\n[[insertion]]\nshape = \"{name}\"\nmaterial = \"m\"\n\
+             velocity_m_per_s = [{v:?}, 0.0, 0.0]\nplacement = {{ method = \"poses\", positions_m = [{x:?}], orientations_wxyz = [{q:?}] }}\n"
+        );
+    }
+    let mut engine = engine(&text);
+    let kinetic = |engine: &sturz_engine::Engine| {
+        let energy = engine.report().energy;
+        energy.kinetic_translation_j + energy.kinetic_rotation_j
+    };
+    let before = kinetic(&engine);
+    let (mut touched, mut apart) = (false, 0.0);
+    for _ in 0..(1.2 / speed / contact_s * steps_per_contact) as u64 {
+        steps(&mut engine, 1);
+        if engine.report().contact_points > 0 {
+            (touched, apart) = (true, 0.0);
+        } else if touched {
+            apart += 1.0;
+            if apart > 3.0 * steps_per_contact {
+                break;
+            }
+        }
+    }
+    touched.then(|| (kinetic(&engine) / before - 1.0).abs())
+}
+
+/// Undamped hits of a cap on faces that are level, tilted by 0.01, and on whatever a random turn offers.
+#[test]
+fn hits_of_rounded_cubes_and_their_energy() {
+    let mut seed = 7u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let mut worst = Vec::new();
+    for tilt in [Some(0.0), Some(0.01), None] {
+        let mut poses = Vec::new();
+        for _ in 0..12 {
+            let q = match tilt {
+                Some(tilt) => [1.0, 0.0, tilt * random(), tilt * random()],
+                None => [random(), random(), random(), random()],
+            };
+            let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+            poses.push((q.map(|x| x / norm), [0.8 * random(), 0.8 * random()]));
+        }
+        for steps_per_contact in [50.0, 200.0] {
+            let mut errors: Vec<f64> =
+                poses.iter().filter_map(|(q, offset)| energy_error(*q, *offset, steps_per_contact)).collect();
+            errors.sort_by(f64::total_cmp);
+            let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
+            println!(
+                "tilt {tilt:?}, Tc/{steps_per_contact}: {} hits, median {median:e}, largest {largest:e}",
+                errors.len()
+            );
+            worst.push(largest);
+        }
+    }
+    // measured 0.115, 0.115, 0.152, 0.152, 1.8e-4, 2.1e-5: sharing by overlaps changes the energy of flat hits at any step
+    let bounds = [0.17, 0.17, 0.17, 0.17, 3e-4, 4e-5];
+    assert!(worst.iter().zip(bounds).all(|(error, bound)| *error < bound), "{worst:?}");
 }
 
 /// Three cylinders in a pile on the floor come to rest.
@@ -142,14 +243,6 @@ fn refusal(text: &str) -> String {
 
 #[test]
 fn what_does_not_go_with_cylinders_is_refused() {
-    let pair = "stiffness_n_per_m = 1e6\nrestitution = 0.3";
-    let text = header([0.0; 3], 1e-5, "", pair)
-        + &shape(CYLINDER)
-        + "[[shape]]\nname = \"r\"\ngeometry = { kind = \"rounded_polyhedron\", radius_m = 1e-4, vertices_m = \
-           [[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]] }\n"
-        + &particle([0.0; 3], [0.0; 3], [0.0; 3]);
-    let error = refusal(&text);
-    assert!(error.contains("shape[0].geometry") && error.contains("cannot meet the rounded polyhedra"), "{error}");
     let hertz = "normal = \"hertz\"\ntangential = \"mindlin\"";
     let text = header([0.0; 3], 1e-5, hertz, "restitution = 0.3")
         .replace("name = \"m\"\n", "name = \"m\"\nyoungs_modulus_pa = 1e7\npoissons_ratio = 0.3\n")

@@ -58,6 +58,11 @@ fn is_polyhedron(part: &Part) -> bool {
     matches!(part.geometry, PartGeometry::Polyhedron(_))
 }
 
+/// Cylinders have no skeleton: their rims are no edges.
+fn meet_by_features(a: &Part, b: &Part) -> bool {
+    (a.is_rounded_polyhedron() || b.is_rounded_polyhedron()) && a.skeleton.is_some() && b.skeleton.is_some()
+}
+
 impl Search<'_> {
     /// Fills `found` by task, and `slots` grouped by kind, in an order that does not depend on the thread count.
     pub fn run(&self, found: &mut Vec<Found>, slots: &mut Vec<Slot>) {
@@ -123,7 +128,7 @@ impl Search<'_> {
                 if apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
                     continue;
                 }
-                if part_a.is_rounded_polyhedron() || part_b.is_rounded_polyhedron() {
+                if meet_by_features(part_a, part_b) {
                     found.features.push(slot(ka, kb, SlotKind::Features));
                 } else if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
                     found.rounded_parts.push(slot(ka, kb, SlotKind::RoundedParts));

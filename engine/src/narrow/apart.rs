@@ -16,15 +16,15 @@ pub fn apart_by(a: &Part, b: &Part, b_to_a: &Similarity, gap: f64) -> bool {
     if (a.spine.is_some() || b.spine.is_some()) && spines_are_apart(a, b, b_to_a, gap) {
         return true;
     }
-    if a.is_rounded_polyhedron() || b.is_rounded_polyhedron() {
-        let (Some(a), Some(b)) = (&a.skeleton, &b.skeleton) else { return false };
-        return FeaturePair { a, b, b_to_a }.apart_by(gap);
-    }
     if let Some(cylinder) = cylinder(a) {
         return apart_from(&cylinder, b, b_to_a, gap);
     }
     if let Some(cylinder) = cylinder(b) {
         return apart_from(&cylinder, a, &b_to_a.inverse(), gap / b_to_a.scale);
+    }
+    if a.is_rounded_polyhedron() || b.is_rounded_polyhedron() {
+        let (Some(a), Some(b)) = (&a.skeleton, &b.skeleton) else { return false };
+        return FeaturePair { a, b, b_to_a }.apart_by(gap);
     }
     match (&a.geometry, &b.geometry) {
         (PartGeometry::Polyhedron(a), PartGeometry::Polyhedron(b)) => Pair { a, b, b_to_a }.separated_by(gap),

@@ -11,6 +11,7 @@ mod cylinder;
 mod cylinder_cylinder;
 mod cylinder_facets;
 mod cylinder_polyhedron;
+mod cylinder_rounded;
 mod cylinder_wall;
 mod ellipse;
 mod face_contact;
@@ -42,6 +43,7 @@ pub use closest::{Nearest, above_face, closest_on_segment, farthest_face, point_
 pub(crate) use cylinder::{RING_POINTS, Solid};
 pub use cylinder_cylinder::cylinder_cylinder;
 pub use cylinder_polyhedron::cylinder_polyhedron;
+pub use cylinder_rounded::cylinder_rounded;
 pub use manifold::{FeatureKey, MAX_POINTS, Manifold, ManifoldPoint};
 pub use polyhedron_polyhedron::polyhedron_polyhedron;
 pub use roller::part_roller;
@@ -102,13 +104,15 @@ pub enum PairKind {
     CylinderCylinder,
     /// [`cylinder_polyhedron`].
     CylinderPolyhedron,
+    /// [`cylinder_rounded`].
+    CylinderRounded,
     /// [`sphere_polyhedron`].
     SpherePolyhedron,
     /// [`spherocylinder_polyhedron`].
     SpherocylinderPolyhedron,
     /// [`polyhedron_polyhedron`].
     PolyhedronPolyhedron,
-    /// [`FeaturePair`]: one or both are rounded polyhedra.
+    /// [`FeaturePair`]: one or both are rounded polyhedra, none a cylinder.
     Features,
 }
 
@@ -133,6 +137,8 @@ pub fn pair_kind(a: &PartGeometry, b: &PartGeometry) -> (PairKind, bool) {
         (P::Cylinder { .. }, P::Cylinder { .. }) => (K::CylinderCylinder, false),
         (P::Cylinder { .. }, P::Polyhedron(_)) => (K::CylinderPolyhedron, false),
         (P::Polyhedron(_), P::Cylinder { .. }) => (K::CylinderPolyhedron, true),
+        (P::Cylinder { .. }, P::RoundedPolyhedron(_)) => (K::CylinderRounded, false),
+        (P::RoundedPolyhedron(_), P::Cylinder { .. }) => (K::CylinderRounded, true),
         (P::RoundedPolyhedron(_), _) | (_, P::RoundedPolyhedron(_)) => (K::Features, false),
     }
 }
@@ -205,6 +211,11 @@ fn collide_in_order(a: &Part, b: &Part, b_to_a: &Similarity, cache: &mut PairCac
         (P::Cylinder { ends, radius }, P::Polyhedron(q)) => {
             unless_apart(cache, (a, b), b_to_a, |apart| {
                 cylinder_polyhedron((a, &cylinder(ends, *radius)), (b, q), (b_to_a, apart), out)
+            });
+        }
+        (P::Cylinder { ends, radius }, P::RoundedPolyhedron(q)) => {
+            unless_apart(cache, (a, b), b_to_a, |_| {
+                cylinder_rounded((a, &cylinder(ends, *radius)), (b, q), b_to_a, out)
             });
         }
         (P::Sphere { center, radius }, P::Polyhedron(q)) => {

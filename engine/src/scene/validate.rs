@@ -472,21 +472,15 @@ pub(super) fn material_index(
     index
 }
 
-/// Whatever may meet a rounded polyhedron must have features that can be named.
+/// Whatever may meet a rounded polyhedron must have features that can be named; cylinders are asked by a function of their own.
 fn check_skeletons(shapes: &[Shape], problems: &mut Problems) {
     let any_rounded = shapes.iter().flat_map(Shape::parts).any(|part| part.is_rounded_polyhedron());
-    let nameless = |shape: &Shape| shape.parts().iter().position(|part| part.skeleton.is_none());
+    let is_nameless = |part: &Part| part.skeleton.is_none() && !matches!(part.geometry, PartGeometry::Cylinder { .. });
     for (k, shape) in shapes.iter().enumerate().filter(|_| any_rounded) {
-        let Some(part) = nameless(shape) else { continue };
-        let problem = match shape.parts()[part].geometry {
-            PartGeometry::Cylinder { .. } => {
-                "has a cylinder, which cannot meet the rounded polyhedra of this scene: they take spheres, \
-                 spherocylinders, polyhedra and each other; give a spherocylinder, or a rounded_polyhedron of many sides"
-                    .to_owned()
-            }
-            _ => format!("has more than {MAX_FEATURES} features, too many to meet a rounded polyhedron"),
-        };
-        problems.add(format!("shape[{k}].geometry"), problem);
+        if shape.parts().iter().any(is_nameless) {
+            let problem = format!("has more than {MAX_FEATURES} features, too many to meet a rounded polyhedron");
+            problems.add(format!("shape[{k}].geometry"), problem);
+        }
     }
 }
 

@@ -58,7 +58,7 @@ pub struct Part {
     /// The surface.
     pub geometry: PartGeometry,
     /// What meets a rounded polyhedron: the part as a skeleton swept by a ball. `None` if it has too many features, or
-    /// is a cylinder, whose rims are no edges.
+    /// is a cylinder, whose rims are no edges and which meets it by a function of its own.
     pub skeleton: Option<Box<Skeleton>>,
 }
 

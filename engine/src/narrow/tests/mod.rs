@@ -1,6 +1,7 @@
 //! The narrow phase against closed forms and independent brute force.
 
 mod cylinder;
+mod cylinder_rounded;
 mod degenerate;
 mod generic;
 mod oracle;
