@@ -177,7 +177,7 @@ fn energy_error(turn: [f64; 4], offset: [f64; 2], steps_per_contact: f64) -> Opt
     touched.then(|| (kinetic(&engine) / before - 1.0).abs())
 }
 
-/// Undamped hits of a cap on faces that are level, tilted by 0.01, and on whatever a random turn offers.
+/// Undamped hits of a cap on faces that are level, tilted by up to 0.01 about either axis, and on whatever a random turn offers.
 #[test]
 fn hits_of_rounded_cubes_and_their_energy() {
     let mut seed = 7u64;
