@@ -8,7 +8,7 @@ fn every_workload_runs_small() {
     for name in Workload::NAMES {
         let workload = Workload::named(name, Size::Small).unwrap();
         let bed = settled(&workload, 2, &mut |_| {}).unwrap();
-        let result = measure(&workload, &bed, &plan, None).unwrap();
+        let result = measure(&workload, &bed, &plan).unwrap();
         assert_eq!(result.particles, u64::from(workload.count), "{name}");
         assert!(
             result.touching_pairs + result.touching_boundary_pairs > 0 && result.particle_steps_per_s > 0.0,

@@ -45,7 +45,7 @@ pub enum NormalLaw {
 
 impl NormalLaw {
     /// Lines of `[contact]`.
-    fn lines(self) -> &'static str {
+    pub(super) fn lines(self) -> &'static str {
         match self {
             Self::Linear => "normal = \"linear\"",
             Self::GeneralizedOverlap => "normal = \"generalized_overlap\"",
@@ -97,9 +97,6 @@ pub struct Measurement {
     pub stage_share: serde_json::Map<String, serde_json::Value>,
     /// Largest resident memory of the process so far, where the system tells.
     pub peak_rss_mib: Option<f64>,
-    /// Live memory of the engine over the particles when nothing is near anything, and what it has more in the bed over
-    /// the contact points (listed pairs that do not touch included); where the program counts its allocations.
-    pub bytes: Option<[f64; 2]>,
     /// Cost of a rebuild of the neighbour list, with all that a step after it has to do more, over that of a step.
     pub rebuild_over_step: f64,
     /// Rebuilds of the neighbour list in all steps.
@@ -116,16 +113,9 @@ pub struct Measurement {
     pub critical_time_step_s: f64,
 }
 
-/// Runs the bed and times it. `allocated` tells the bytes that the program has allocated.
-pub fn measure(
-    workload: &Workload,
-    bed: &Bed,
-    plan: &Plan,
-    allocated: Option<fn() -> usize>,
-) -> anyhow::Result<Measurement> {
+/// Runs the bed and times it.
+pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Measurement> {
     let start = |softness: Softness| tiles::start(workload, bed, plan.tiles, softness, plan.normal.lines());
-    let apart = allocated.map(|bytes| bytes_apart(workload, bed, plan, bytes)).transpose()?;
-    let before_all = allocated.map_or(0, |bytes| bytes());
     let mut engine = match start(Softness::NONE) {
         // The workload's step may be too long for this law; what a step costs does not depend on its length.
         Err(_) if plan.normal != NormalLaw::Linear => start(Softness { step_fraction: Some(0.8), ..Softness::NONE })?,
@@ -150,10 +140,6 @@ pub fn measure(
     let stage_share = stage_shares(&mut engine, plan.steps)?;
     let rebuild_over_step = rebuild_over_step(&mut engine)?;
     let report = engine.report();
-    let bytes = allocated.zip(apart).map(|(bytes, apart)| {
-        let more = (bytes() - before_all) as f64 - apart * report.particles as f64;
-        [apart, more / report.contact_points.max(1) as f64]
-    });
     let rate = median(&rates);
     let per_mgd = 1.0 / (engine.len() as f64 * workload.energy_unit_j());
     Ok(Measurement {
@@ -173,7 +159,6 @@ pub fn measure(
         us_per_touching_pair: 1e6 * report.particles as f64 / rate / report.touching_pairs.max(1) as f64,
         stage_share,
         peak_rss_mib: peak_rss_mib(),
-        bytes,
         rebuild_over_step,
         neighbour_rebuilds: report.neighbour_rebuilds,
         largest_overlap_ratio: report.largest_overlap_ratio,
@@ -182,17 +167,6 @@ pub fn measure(
         time_step_s: report.time_step_s,
         critical_time_step_s: report.critical_time_step_s,
     })
-}
-
-/// Bytes of an engine per particle, where no pair is listed.
-fn bytes_apart(workload: &Workload, bed: &Bed, plan: &Plan, bytes: fn() -> usize) -> anyhow::Result<f64> {
-    let before = bytes();
-    let softness = Softness { step_fraction: Some(0.1), ..Softness::NONE };
-    let mut engine = tiles::start_apart(workload, bed, softness, plan.normal.lines())?;
-    // a rebuild leaves its buffers
-    engine.expire_neighbours();
-    steps(&mut engine, 1)?;
-    Ok((bytes() - before) as f64 / engine.len() as f64)
 }
 
 fn median(sorted: &[f64]) -> f64 {

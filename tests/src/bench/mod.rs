@@ -7,11 +7,13 @@ mod cache;
 mod given;
 mod left_out;
 mod measure;
+mod memory;
 mod settle;
 mod tiles;
 mod workload;
 
 pub use left_out::{LeftOut, left_out};
 pub use measure::{Measurement, NormalLaw, Plan, measure};
+pub use memory::{Memory, memory};
 pub use settle::settled;
 pub use workload::{Size, Workload};

@@ -4,12 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
-use peak_alloc::PeakAlloc;
 use serde::Serialize;
 use sturz_tests::bench::{LeftOut, Measurement, NormalLaw, Plan, Size, Workload, left_out, measure, settled};
-
-#[global_allocator]
-static MEMORY: PeakAlloc = PeakAlloc;
 
 /// Times the engine on settled beds (settled first where no cached bed is found, which takes minutes).
 #[derive(Parser)]
@@ -67,9 +63,7 @@ fn main() -> anyhow::Result<()> {
     for name in &names {
         let workload = Workload::named(name, size)?;
         let bed = settled(&workload, plan.threads, &mut |line| eprintln!("{line}"))?;
-        let allocated: fn() -> usize = || MEMORY.current_usage();
-        let result = measure(&workload, &bed, &plan, Some(allocated))
-            .with_context(|| format!("{name} failed while measured"))?;
+        let result = measure(&workload, &bed, &plan).with_context(|| format!("{name} failed while measured"))?;
         print_row(&result);
         results.push(result);
     }
@@ -149,8 +143,5 @@ fn print_row(m: &Measurement) {
         "{:17} at start {pairs} pairs, points: {face} vertex-face, {edge} edge-edge, {smooth} others; at the end {:?}",
         "", m.contact_points_by_kind
     );
-    if let Some([particle, contact]) = m.bytes {
-        println!("{:17} {particle:.0} bytes per particle alone, {contact:.0} more per contact point", "");
-    }
     println!("{:17} {}; residual {:.1e} m g size per particle", "", shares.join(", "), m.energy_residual_per_mgd);
 }
