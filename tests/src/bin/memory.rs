@@ -1,5 +1,5 @@
-//! `memory`: bytes per particle and per contact point of the workloads. A program of its own: an allocator that counts
-//! places arrays differently, which costs the spheres of `bench` five percent.
+//! `memory`: bytes per particle and per contact point of the workloads. A program of its own: where arrays happen to lie
+//! shows in the rate of spheres by five percent, so `bench` is left to the system's allocator.
 
 use clap::Parser;
 use peak_alloc::PeakAlloc;
