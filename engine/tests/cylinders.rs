@@ -91,14 +91,49 @@ fn threads_and_caches_are_invisible_in_the_bits() {
     assert_eq!(hashes(&text, 4, 5), reference);
 }
 
-/// The drum with rounded cubes in place of the sharp ones.
+/// The drum with rounded cubes in place of the sharp ones, and crosses of two rounded beams in place of the rods.
+fn drum_with_rounded_bodies() -> String {
+    let beam = |long: usize| {
+        let corner = |k: usize| {
+            [0, 1, 2].map(|axis| {
+                let half = if axis == long { 2.2e-3 } else { 5e-4 };
+                if k >> axis & 1 == 1 { half } else { -half }
+            })
+        };
+        let corners: Vec<_> = (0..8).map(corner).collect();
+        format!("{{ shape = {{ kind = \"rounded_polyhedron\", radius_m = 3e-4, vertices_m = {corners:?} }} }}")
+    };
+    let cross = format!("kind = \"composite\", parts = [{}, {}]", beam(0), beam(1));
+    let text = drum()
+        .replace("kind = \"cube\", edge_m = 3e-3", &rounded_cube(1.2e-3, 3e-4))
+        .replace("kind = \"spherocylinder\", radius_m = 1e-3, total_length_m = 5e-3", &cross);
+    assert_eq!(text.matches("rounded_polyhedron").count(), 3);
+    text
+}
+
 #[test]
-fn rounded_cubes_among_cylinders_keep_the_bits() {
-    let text = drum().replace("kind = \"cube\", edge_m = 3e-3", &rounded_cube(1.2e-3, 3e-4));
-    assert!(text.contains("rounded_polyhedron"));
+fn rounded_bodies_among_cylinders_keep_the_bits() {
+    let text = drum_with_rounded_bodies();
     let reference = hashes(&text, 1, 5000);
     assert_eq!(hashes(&text, 2, 5000), reference);
     assert_eq!(hashes(&text, 2, 5), reference);
+}
+
+/// Springs of cylinders at rounded bodies go on from a checkpoint: they are carried by the names of the features.
+#[test]
+fn a_checkpoint_of_cylinders_among_rounded_bodies_goes_on() {
+    let text = drum_with_rounded_bodies();
+    let mut run = engine(&text);
+    steps(&mut run, 15_000);
+    assert!(run.report().touching_pairs > 20 && run.report().energy.elastic_j > 0.0);
+    let saved = run.checkpoint().unwrap();
+    let mut other = engine(&text);
+    other.restore(&saved).unwrap();
+    for step in 0..200 {
+        steps(&mut run, 1);
+        steps(&mut other, 1);
+        assert_eq!(run.state_hash(), other.state_hash(), "step {step} after the checkpoint");
+    }
 }
 
 /// A tower of five, alternately upright cylinders and cubes: it stands, and carries its weight.
