@@ -113,14 +113,19 @@ pub struct Measurement {
     pub critical_time_step_s: f64,
 }
 
+/// The bed at rest under the plan's law, with the workload's own step where the law allows it.
+pub(super) fn started(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Engine> {
+    let start = |softness: Softness| tiles::start(workload, bed, plan.tiles, softness, plan.normal.lines());
+    match start(Softness::NONE) {
+        // The workload's step may be too long for this law; what a step costs does not depend on its length.
+        Err(_) if plan.normal != NormalLaw::Linear => start(Softness { step_fraction: Some(0.8), ..Softness::NONE }),
+        outcome => outcome,
+    }
+}
+
 /// Runs the bed and times it.
 pub fn measure(workload: &Workload, bed: &Bed, plan: &Plan) -> anyhow::Result<Measurement> {
-    let start = |softness: Softness| tiles::start(workload, bed, plan.tiles, softness, plan.normal.lines());
-    let mut engine = match start(Softness::NONE) {
-        // The workload's step may be too long for this law; what a step costs does not depend on its length.
-        Err(_) if plan.normal != NormalLaw::Linear => start(Softness { step_fraction: Some(0.8), ..Softness::NONE })?,
-        outcome => outcome?,
-    };
+    let mut engine = started(workload, bed, plan)?;
     engine.set_threads(plan.threads);
     let sizes = snapshot(&engine).scales;
     ensure!(

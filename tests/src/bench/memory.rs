@@ -4,7 +4,7 @@ use serde::Serialize;
 use sturz_engine::Engine;
 
 use super::cache::Bed;
-use super::measure::Plan;
+use super::measure::{Plan, started};
 use super::tiles;
 use super::workload::{Softness, Workload};
 use crate::scene::steps;
@@ -39,7 +39,7 @@ pub fn memory(workload: &Workload, bed: &Bed, plan: &Plan, allocated: fn() -> us
     let before = allocated();
     let (apart, _) = weigh(tiles::start_apart(workload, bed, softness, contact), before, 0)?;
     let before = allocated();
-    let (whole, report) = weigh(tiles::start(workload, bed, 1, softness, contact), before, plan.warm_up)?;
+    let (whole, report) = weigh(started(workload, bed, plan), before, plan.warm_up)?;
     Ok(Memory {
         workload: workload.name.to_owned(),
         particles: report.particles,
