@@ -189,12 +189,14 @@ fn a_command_for_later_takes_effect_then() {
 fn a_retry_after_a_timeout_is_applied_once() {
     let daemon = Daemon::start("retry");
     let simulation = daemon.connect();
-    let header = v1::CommandHeader { client_id: "c".into(), request_id: "mine".into(), at_time_s: None };
+    // It waits for its simulated time, so that the timeout comes first on any machine.
+    let header = v1::CommandHeader { client_id: "c".into(), request_id: "mine".into(), at_time_s: Some(1e-3) };
     let request = Request::Insert(beads(&[[0.0; 3]]).into()).with_header(header);
-    match simulation.command(request.clone(), Some(Duration::ZERO)) {
+    match simulation.command(request.clone(), Some(Duration::from_millis(50))) {
         Err(ClientError::Timeout { request_id, .. }) => assert_eq!(request_id.as_deref(), Some("mine")),
         other => panic!("{other:?}"),
     }
+    simulation.advance(Window::new(2e-3)).unwrap();
     assert!(simulation.command(request, Some(SOON)).unwrap().repeated);
     assert_eq!(simulation.info().unwrap().particles, 1);
 }
