@@ -9,6 +9,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel}
 use std::thread::{self, JoinHandle};
 
 use anyhow::Context as _;
+use prost::bytes::Bytes;
 use sturz_engine::CheckpointSummary;
 use sturz_protocol::keys::check_name;
 use sturz_protocol::v1;
@@ -17,8 +18,8 @@ use crate::mailbox::Mailbox;
 
 /// Ending of a checkpoint's name, behind its token.
 const ENDING: &str = ".checkpoint";
-/// Of a file that is not whole yet.
-const PARTIAL: &str = ".checkpoint.partial";
+/// Of a file that is not whole yet, behind its name.
+const PARTIAL: &str = ".partial";
 /// Files that wait to be written; each is in memory as long.
 const WAITING: usize = 2;
 
@@ -27,7 +28,7 @@ pub struct Job<T> {
     /// What it is.
     pub checkpoint: v1::Checkpoint,
     /// The file.
-    pub bytes: Vec<u8>,
+    pub bytes: Bytes,
     /// Comes back when it is done.
     pub with: T,
 }
@@ -61,7 +62,7 @@ impl<T: Send + 'static> Archive<T> {
         let into = folder.to_path_buf();
         let work = move || {
             for Job { checkpoint, bytes, with } in waiting {
-                let outcome = write(&into, &checkpoint.token, &bytes);
+                let outcome = write_whole(&into, &format!("{}{ENDING}", checkpoint.token), &[bytes]);
                 if finished.send(Done { checkpoint, outcome, with }).is_err() {
                     break;
                 }
@@ -97,7 +98,7 @@ impl<T: Send + 'static> Archive<T> {
 
     /// The file of a token.
     pub fn read(&self, token: &str) -> io::Result<Vec<u8>> {
-        fs::read(self.folder.join(format!("{token}{ENDING}")))
+        read_file(&self.folder, token)
     }
 
     /// Removes the file of a token.
@@ -106,14 +107,20 @@ impl<T: Send + 'static> Archive<T> {
     }
 }
 
-fn write(folder: &Path, token: &str, bytes: &[u8]) -> io::Result<()> {
-    let partial = folder.join(format!("{token}{PARTIAL}"));
+/// The file of a token.
+pub fn read_file(folder: &Path, token: &str) -> io::Result<Vec<u8>> {
+    fs::read(folder.join(format!("{token}{ENDING}")))
+}
+
+/// Writes a file of these pieces: it is whole or not there, and after the return it is on the disk.
+pub fn write_whole(folder: &Path, name: &str, parts: &[Bytes]) -> io::Result<()> {
+    let partial = folder.join(format!("{name}{PARTIAL}"));
     let written = (|| {
         let mut file = File::create(&partial)?;
-        file.write_all(bytes)?;
+        parts.iter().try_for_each(|part| file.write_all(part))?;
         file.sync_all()?;
-        fs::rename(&partial, folder.join(format!("{token}{ENDING}")))?;
-        File::open(folder)?.sync_all()
+        fs::rename(&partial, folder.join(name))?;
+        sync_folder(folder)
     })();
     if written.is_err() {
         // What is left of it would only take room.
@@ -122,16 +129,29 @@ fn write(folder: &Path, token: &str, bytes: &[u8]) -> io::Result<()> {
     written
 }
 
+/// Removes what a crash has left half written.
+pub fn remove_partial(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.to_string_lossy().ends_with(PARTIAL) {
+            fs::remove_file(path)?;
+        }
+    }
+    Ok(())
+}
+
+/// Makes names in a folder safe.
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
 /// Checkpoints that are whole and sound; what was cut off by a crash is removed.
 fn look_around(folder: &Path) -> io::Result<Vec<v1::Checkpoint>> {
     let mut found = Vec::new();
+    remove_partial(folder)?;
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if name.ends_with(PARTIAL) {
-            fs::remove_file(&path)?;
-            continue;
-        }
         let Some(token) = name.strip_suffix(ENDING).filter(|token| check_name(token).is_ok()) else { continue };
         let bytes = fs::read(&path)?;
         match CheckpointSummary::read(&bytes) {
@@ -164,11 +184,11 @@ mod tests {
     use super::*;
     use crate::mailbox::mailbox;
 
-    fn saved() -> (v1::Checkpoint, Vec<u8>) {
+    fn saved() -> (v1::Checkpoint, Bytes) {
         let text = "[scene]\nname = \"empty\"\ntime_step_s = 1e-5";
         let scene = Scene::validate(SceneDescription::from_toml(text).unwrap()).unwrap();
         let bytes = Engine::new(scene).checkpoint().unwrap();
-        (describe("a", &CheckpointSummary::read(&bytes).unwrap(), bytes.len(), true), bytes)
+        (describe("a", &CheckpointSummary::read(&bytes).unwrap(), bytes.len(), true), bytes.into())
     }
 
     #[test]

@@ -37,9 +37,14 @@ impl Runner<'_> {
         let step = self.moment().step;
         let Some(autosave) = self.autosave.as_mut().filter(|autosave| autosave.is_due(now, step)) else { return };
         (autosave.last, autosave.last_step) = (now, step);
+        if self.journal.is_writing() {
+            autosave.is_writing = true;
+            self.save_snapshot();
+            return;
+        }
         // A run that has failed is not saved: the last sound state stays.
         let Ok(bytes) = self.engine.checkpoint() else { return };
-        let sent = self.checkpoints.send(&format!("{PREFIX}{step}"), bytes, None);
+        let sent = self.checkpoints.send(&format!("{PREFIX}{step}"), bytes.into(), None);
         match sent {
             Some((_, error)) => tracing::warn!("no checkpoint at step {step}: {}", error.message),
             None => autosave.is_writing = true,

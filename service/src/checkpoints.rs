@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::path::{Path, PathBuf};
 
+use prost::bytes::Bytes;
 use sturz_engine::{CheckpointError, CheckpointSummary};
 use sturz_protocol::v1;
 
-use crate::archive::{Archive, Done, Job, describe};
+use crate::archive::{Archive, Done, Job, describe, read_file};
 use crate::config::Limits;
 use crate::order::error;
 use crate::ticket::{Moment, Ticket};
@@ -20,21 +22,113 @@ pub struct Checkpoints {
     /// Sum over the entries in memory.
     bytes_in_memory: u64,
     archive: Option<Archive<Waiting>>,
+    /// Where files are, without an archive that writes there.
+    folder: Option<PathBuf>,
     made: u64,
+    /// Files that were there at the start, until the journal has told which of them there should be.
+    found: Vec<v1::Checkpoint>,
+    /// A journal is read: files are left alone.
+    replaying: bool,
 }
 
 struct Entry {
     checkpoint: v1::Checkpoint,
     /// `None`: it is a file.
-    bytes: Option<Vec<u8>>,
+    bytes: Option<Bytes>,
+}
+
+/// All saved states, for a snapshot.
+pub struct Saved {
+    /// By token.
+    pub checkpoints: Vec<v1::Checkpoint>,
+    /// Of those in memory, in that order.
+    pub bytes: Vec<Bytes>,
+    /// Tokens that the daemon has made.
+    pub made: u64,
 }
 
 impl Checkpoints {
     /// With a folder, and what was found there.
     pub fn new(archive: Option<(Archive<Waiting>, Vec<v1::Checkpoint>)>) -> Self {
         let (archive, found) = archive.map_or((None, Vec::new()), |(archive, found)| (Some(archive), found));
-        let entry = |checkpoint: v1::Checkpoint| (checkpoint.token.clone(), Entry { checkpoint, bytes: None });
-        Self { entries: found.into_iter().map(entry).collect(), bytes_in_memory: 0, archive, made: 0 }
+        let mut all = Self {
+            entries: BTreeMap::new(),
+            bytes_in_memory: 0,
+            archive,
+            folder: None,
+            made: 0,
+            found,
+            replaying: false,
+        };
+        all.note_found();
+        all
+    }
+
+    /// Those that a journal tells of; files are read, nothing is written.
+    pub fn reading(folder: &Path) -> Self {
+        Self { folder: Some(folder.into()), ..Self::new(None) }
+    }
+
+    /// As before the first record of a journal: with no checkpoints at all.
+    pub fn begin_replay(&mut self) {
+        self.replaying = true;
+        self.found = std::mem::take(&mut self.entries).into_values().map(|entry| entry.checkpoint).collect();
+    }
+
+    /// All that there is, for a snapshot.
+    pub fn saved(&self) -> Saved {
+        let checkpoints = self.list();
+        let bytes = self.entries.values().filter(|entry| !entry.checkpoint.on_disk);
+        Saved { checkpoints, bytes: bytes.filter_map(|entry| entry.bytes.clone()).collect(), made: self.made }
+    }
+
+    /// What a snapshot had.
+    pub fn load(&mut self, saved: Saved) {
+        let mut blobs = saved.bytes.into_iter();
+        for checkpoint in saved.checkpoints {
+            let bytes = if checkpoint.on_disk { None } else { blobs.next() };
+            self.put(Entry { checkpoint, bytes });
+        }
+        self.made = saved.made;
+    }
+
+    /// Keeps one that a journal tells of as a file, without writing it.
+    pub fn keep_replayed(&mut self, token: &str, bytes: Bytes) -> Result<v1::Checkpoint, v1::Error> {
+        let checkpoint = described(token, &bytes, true)?;
+        self.put(Entry { checkpoint: checkpoint.clone(), bytes: Some(bytes) });
+        Ok(checkpoint)
+    }
+
+    /// Forgets one that could not be written, as it turned out.
+    pub fn forget_replayed(&mut self, token: &str) {
+        self.forget(token);
+    }
+
+    /// The journal is read. Files that it tells of and that are not there, or are others, are written again.
+    pub fn end_replay(&mut self) {
+        self.replaying = false;
+        let kept = self.entries.iter_mut().filter(|(_, entry)| entry.checkpoint.on_disk);
+        let mut missing = Vec::new();
+        for (token, entry) in kept {
+            let is_there = self.found.iter().any(|found| *found == entry.checkpoint);
+            match entry.bytes.take() {
+                Some(bytes) if !is_there => missing.push((token.clone(), bytes)),
+                _ => {}
+            }
+        }
+        for (token, bytes) in missing {
+            if let Some((_, error)) = self.send(&token, bytes, None) {
+                tracing::warn!("the checkpoint {token:?} is not written again: {}", error.message);
+                self.forget(&token);
+            }
+        }
+        self.note_found();
+    }
+
+    fn note_found(&mut self) {
+        for checkpoint in std::mem::take(&mut self.found) {
+            self.entries.entry(checkpoint.token.clone()).or_insert(Entry { checkpoint, bytes: None });
+        }
     }
 
     /// A token that is free.
@@ -50,14 +144,14 @@ impl Checkpoints {
 
     /// Refuses where there is no room for one more, before it is made.
     pub fn check_room(&self, token: &str, on_disk: bool, limits: &Limits) -> Result<(), v1::Error> {
-        if on_disk && self.archive.is_none() {
+        if on_disk && self.archive.is_none() && !self.replaying {
             return Err(no_folder());
         }
         let (limit, setting) = match on_disk {
             true => (limits.checkpoint_files, "checkpoint_files"),
             false => (limits.checkpoints, "checkpoints"),
         };
-        let others = self.entries.iter().filter(|(name, entry)| *name != token && entry.bytes.is_none() == on_disk);
+        let others = self.entries.iter().filter(|(name, entry)| *name != token && entry.checkpoint.on_disk == on_disk);
         let others = others.count();
         if others >= limit {
             let place = if on_disk { "on disk" } else { "in memory" };
@@ -70,7 +164,7 @@ impl Checkpoints {
     }
 
     /// Keeps one in memory.
-    pub fn keep(&mut self, token: &str, bytes: Vec<u8>, limits: &Limits) -> Result<v1::Checkpoint, v1::Error> {
+    pub fn keep(&mut self, token: &str, bytes: Bytes, limits: &Limits) -> Result<v1::Checkpoint, v1::Error> {
         let new = bytes.len() as u64;
         let replaced = self.entries.get(token).map_or(0, Entry::bytes_in_memory);
         let total = self.bytes_in_memory - replaced + new;
@@ -87,7 +181,7 @@ impl Checkpoints {
     }
 
     /// Sends one to the disk. When it is not taken on, who waits for it comes back, with the reason.
-    pub fn send(&self, token: &str, bytes: Vec<u8>, waiting: Waiting) -> Option<(Waiting, v1::Error)> {
+    pub fn send(&self, token: &str, bytes: Bytes, waiting: Waiting) -> Option<(Waiting, v1::Error)> {
         let Some(archive) = &self.archive else {
             return Some((waiting, no_folder()));
         };
@@ -124,13 +218,16 @@ impl Checkpoints {
     }
 
     /// The bytes of a token: in memory, else on disk, be it known or put there by somebody meanwhile.
-    pub fn bytes(&self, token: &str) -> Result<Vec<u8>, v1::Error> {
+    pub fn bytes(&self, token: &str) -> Result<Bytes, v1::Error> {
         if let Some(Entry { bytes: Some(bytes), .. }) = self.entries.get(token) {
             return Ok(bytes.clone());
         }
-        let read = self.archive.as_ref().map(|archive| archive.read(token));
+        let read = match &self.archive {
+            Some(archive) => Some(archive.read(token)),
+            None => self.folder.as_ref().map(|folder| read_file(folder, token)),
+        };
         match read {
-            Some(Ok(bytes)) => Ok(bytes),
+            Some(Ok(bytes)) => Ok(bytes.into()),
             Some(Err(failure)) if failure.kind() != io::ErrorKind::NotFound => {
                 let text = format!("the file of {token:?} cannot be read: {failure}");
                 Err(error(v1::ErrorCode::Disk, "token", text))
@@ -141,14 +238,15 @@ impl Checkpoints {
 
     /// What `bytes` are, as the checkpoint of a token.
     pub fn described(&self, token: &str, bytes: &[u8]) -> Result<v1::Checkpoint, CheckpointError> {
-        let on_disk = self.entries.get(token).is_none_or(|entry| entry.bytes.is_none());
+        let on_disk = self.entries.get(token).is_none_or(|entry| entry.checkpoint.on_disk);
         Ok(describe(token, &CheckpointSummary::read(bytes)?, bytes.len(), on_disk))
     }
 
     /// Forgets one, its file included.
     pub fn drop_one(&mut self, token: &str) -> Result<(), v1::Error> {
         let Some(entry) = self.entries.get(token) else { return Err(self.unknown(token)) };
-        if entry.bytes.is_none()
+        if entry.checkpoint.on_disk
+            && !self.replaying
             && let Some(archive) = &self.archive
         {
             match archive.remove(token) {
@@ -189,7 +287,8 @@ impl Checkpoints {
 
 impl Entry {
     fn bytes_in_memory(&self) -> u64 {
-        self.bytes.as_ref().map_or(0, |bytes| bytes.len() as u64)
+        let in_memory = self.bytes.as_ref().filter(|_| !self.checkpoint.on_disk);
+        in_memory.map_or(0, |bytes| bytes.len() as u64)
     }
 }
 
@@ -212,9 +311,10 @@ mod tests {
 
     use super::*;
 
-    fn saved() -> Vec<u8> {
+    fn saved() -> Bytes {
         let text = "[scene]\nname = \"empty\"\ntime_step_s = 1e-5";
-        Engine::new(Scene::validate(SceneDescription::from_toml(text).unwrap()).unwrap()).checkpoint().unwrap()
+        let scene = Scene::validate(SceneDescription::from_toml(text).unwrap()).unwrap();
+        Engine::new(scene).checkpoint().unwrap().into()
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::DEFAULT_LISTEN;
+use crate::journal::{Fsync, Keep};
 
 /// What the exit codes mean, for `--help`.
 const EXIT_CODES: &str = "\
@@ -13,7 +14,7 @@ Exit codes:
     1  something else went wrong
     2  the command line cannot be used
     3  the scene cannot be used
-    4  the run failed: a step was refused
+    4  the run failed: a step was refused; a replay: it differs
     5  the daemon cannot listen, or its name is taken
     6  no daemon answers
   130  a run was interrupted";
@@ -34,7 +35,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Serve a scene on the bus until Ctrl-C, SIGTERM or the command `stop`
-    Serve(Serve),
+    Serve(Box<Serve>),
     /// Run a scene to its end without a bus, and report how good it was
     Run(Run),
     /// Tell what a scene needs, its time scales, and every doubt about it
@@ -43,6 +44,8 @@ pub enum Command {
     Scenes(Scenes),
     /// Show what a running daemon says of itself
     Inspect(Inspect),
+    /// Go through a journal again and compare every outcome and every state in it
+    Replay(Replay),
     /// Print the JSON schema of scene files
     Schema,
 }
@@ -58,9 +61,9 @@ pub struct SceneArgument {
 /// `sturz serve`
 #[derive(Debug, Args)]
 pub struct Serve {
-    /// The scene.
-    #[command(flatten)]
-    pub scene: SceneArgument,
+    /// Name of a bundled scene (see `sturz scenes`) or path of a scene file
+    #[arg(value_name = "SCENE", required_unless_present = "resume", conflicts_with = "resume")]
+    pub scene: Option<String>,
     /// Name on the bus; that of the scene file when absent
     #[arg(long, env = "STURZ_NAME")]
     pub name: Option<String>,
@@ -79,14 +82,34 @@ pub struct Serve {
     /// A TOML file with limits on what clients may ask for
     #[arg(long, value_name = "FILE", help_heading = "Bus")]
     pub limits: Option<PathBuf>,
-    /// Folder for checkpoints on disk; made if need be. Those that are there can be restored
-    #[arg(long, env = "STURZ_CHECKPOINTS", value_name = "DIR")]
+    /// Folder for a journal of the run; made, must hold none. With it the run survives this process: --resume goes on
+    #[arg(long, env = "STURZ_JOURNAL", value_name = "DIR", help_heading = "What is kept")]
+    pub journal: Option<PathBuf>,
+    /// Go on with the run of this journal: newest sound snapshot, then every accepted command behind it
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["journal", "checkpoints", "restore"], help_heading = "What is kept")]
+    pub resume: Option<PathBuf>,
+    /// When the journal is forced to the disk: once a `second` (survives the death of the process) or before each reply to a
+    /// `command` (survives the loss of power too)
+    #[arg(long, value_enum, default_value_t, value_name = "WHEN", help_heading = "What is kept")]
+    pub journal_fsync: Fsync,
+    /// Bytes of log from which on what the snapshots do not need is removed, or `all`: keep it whole, for `sturz replay`
+    #[arg(long, default_value = "1073741824", value_parser = keep, value_name = "BYTES", help_heading = "What is kept")]
+    pub journal_keep: Keep,
+    /// Folder for checkpoints on disk; made if need be. Those that are there can be restored. With a journal: that in its folder
+    #[arg(
+        long,
+        env = "STURZ_CHECKPOINTS",
+        value_name = "DIR",
+        conflicts_with = "journal",
+        help_heading = "What is kept"
+    )]
     pub checkpoints: Option<PathBuf>,
-    /// Save a checkpoint there in each such interval of wall time, s; the last two are kept, as `auto-<step>`
-    #[arg(long, value_name = "SECONDS", requires = "checkpoints")]
+    /// Save the state in each such interval of wall time, s. With a journal: as a snapshot (60 s unless given). Else in the folder
+    /// of --checkpoints; the last two are kept, as `auto-<step>`
+    #[arg(long, value_name = "SECONDS", help_heading = "What is kept")]
     pub checkpoint_every: Option<f64>,
     /// Start from the checkpoint of this token instead of at step 0; `newest`: from the one with the most steps
-    #[arg(long, value_name = "TOKEN", requires = "checkpoints")]
+    #[arg(long, value_name = "TOKEN", requires = "checkpoints", help_heading = "What is kept")]
     pub restore: Option<String>,
     /// Threads of the physics
     #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -98,6 +121,27 @@ pub struct Serve {
     #[arg(long)]
     pub stop_on_stdin_eof: bool,
     /// Print one line `ready {...}` for programs once clients can connect
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn keep(text: &str) -> Result<Keep, String> {
+    if text == "all" {
+        return Ok(Keep::All);
+    }
+    text.parse().map(Keep::Bytes).map_err(|_| "a number of bytes, or `all`".into())
+}
+
+/// `sturz replay`
+#[derive(Debug, Args)]
+pub struct Replay {
+    /// Folder of the journal
+    #[arg(value_name = "DIR")]
+    pub journal: PathBuf,
+    /// Threads of the physics
+    #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Print JSON
     #[arg(long)]
     pub json: bool,
 }

@@ -65,6 +65,25 @@ impl Default for Limits {
 }
 
 impl Limits {
+    /// Without bounds.
+    pub fn none() -> Self {
+        Self {
+            message_bytes: usize::MAX,
+            insertion_particles: u64::MAX,
+            particles: u64::MAX,
+            queue_length: usize::MAX,
+            open_requests: usize::MAX,
+            remembered_requests: usize::MAX,
+            fields: usize::MAX,
+            field_cells: u64::MAX,
+            remembered_events: usize::MAX,
+            checkpoints: usize::MAX,
+            checkpoint_bytes: u64::MAX,
+            checkpoint_files: usize::MAX,
+            clients: usize::MAX,
+        }
+    }
+
     /// From a TOML file; defaults without one.
     pub fn load(path: Option<&Path>) -> anyhow::Result<Self> {
         let Some(path) = path else {

@@ -21,14 +21,14 @@ use crate::autosave::Autosave;
 use crate::checkpoints::Checkpoints;
 use crate::config::{Bus, Limits};
 use crate::intake::{self, Io};
-use crate::mailbox::{Inbox, mailbox};
-use crate::memory::RequestMemory;
+use crate::journal::Folder;
+use crate::journal::record::Start;
+use crate::mailbox::{Inbox, Mailbox, mailbox};
 use crate::meter::Meter;
 use crate::outbox::Outbox;
 use crate::publish::{self, Notices};
-use crate::reply::Identity;
+use crate::reply::{Identity, wall_time_ns};
 use crate::runner::{Phase, Runner, Shared};
-use crate::schedule::Schedule;
 use crate::stages::StageTotals;
 
 /// Notices of the physics that wait for the bus.
@@ -58,8 +58,18 @@ pub struct Options {
     pub checkpoint_every: Option<Duration>,
     /// Where to start, instead of at step 0.
     pub restore: Option<Restore>,
+    /// What keeps the run beyond this process.
+    pub journal: Option<KeptRun>,
     /// End when standard input does: with whoever started this process.
     pub stop_on_stdin_eof: bool,
+}
+
+/// A run with a journal.
+pub struct KeptRun {
+    /// Its folder.
+    pub folder: Folder,
+    /// It has been there before: go on where it was.
+    pub resumes: bool,
 }
 
 /// A checkpoint to start from.
@@ -138,13 +148,24 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let (more_events, last) = oneshot::channel::<()>();
     let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard, last);
     let stop_on_stdin_eof = options.stop_on_stdin_eof;
-    let archive = options.checkpoints.as_deref().map(|folder| Archive::open(folder, letters.clone())).transpose()?;
+    let kept = options.journal.as_ref().map(|kept| kept.folder.checkpoints());
+    let files = options.checkpoints.clone().or(kept);
+    let archive = files.as_deref().map(|folder| Archive::open(folder, letters.clone())).transpose()?;
     let checkpoints = Checkpoints::new(archive);
     let mut engine = Engine::new(scene);
     if let Some(restore) = &options.restore {
         go_to(&mut engine, &checkpoints, restore)?;
     }
-    let mut ended = start_physics(engine, options, (inbox, outbox), checkpoints, Arc::clone(&shared))?;
+    let started = start_physics(
+        engine,
+        options,
+        (letters.clone(), inbox, outbox),
+        checkpoints,
+        (run_id.clone(), Arc::clone(&shared)),
+    )?;
+    let (taken_up, mut ended) = started;
+    // Nobody is let in before all that was accepted is there again.
+    taken_up.await.map_err(|_| anyhow!("the physics has failed at its start"))??;
     let intake = intake::open(&session, Arc::clone(&io)).await?;
     let watch = watch_clients(&session, Arc::clone(&io)).await?;
     let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
@@ -235,51 +256,51 @@ fn go_to(engine: &mut Engine, checkpoints: &Checkpoints, restore: &Restore) -> a
     Ok(())
 }
 
-/// Starts the physics on its own thread; the receiver hears when it has ended.
+/// Hears whether the run could be taken up, and when it has ended.
+type Started = (oneshot::Receiver<anyhow::Result<()>>, oneshot::Receiver<()>);
+
+/// Starts the physics on its own thread.
 fn start_physics(
     mut engine: Engine,
     options: Options,
-    (inbox, mut outbox): (Inbox, Outbox),
+    (letters, inbox, outbox): (Mailbox, Inbox, Outbox),
     checkpoints: Checkpoints,
-    shared: Arc<Shared>,
-) -> anyhow::Result<oneshot::Receiver<()>> {
+    (run_id, shared): (String, Arc<Shared>),
+) -> anyhow::Result<Started> {
     let (ending, ended) = oneshot::channel();
+    let (taking_up, taken_up) = oneshot::channel();
     let body = move || {
-        let description = engine.scene().description();
-        description.fields.iter().cloned().for_each(|field| outbox.define_field(field));
-        let now_s = engine.clock().time_s();
-        let stop_time_s = description.stop.time_s.filter(|&stop| now_s == 0.0 || stop > now_s);
         let totals = StageTotals::default();
         engine.set_threads(options.threads);
         engine.set_timer(Some(totals.timer()));
         // All of the loop inside the pool: a hand-over per step costs more than a small step.
         engine.in_pool(|engine| {
-            let runner = Runner {
-                engine,
-                inbox,
-                outbox,
-                phase: if options.paused { Phase::Paused } else { Phase::Running },
-                window: None,
-                memory: RequestMemory::new(options.limits.remembered_requests),
-                schedule: Schedule::default(),
-                checkpoints,
-                autosave: options.checkpoint_every.map(Autosave::new),
-                lease: None,
-                last_window: None,
-                meter: Meter::new(totals),
-                revision: 0,
-                stop_time_s,
-                warned_of_step: false,
-                shared,
-                limits: options.limits,
+            let mut runner = Runner::new(engine, inbox, outbox, shared, options.limits);
+            runner.phase = if options.paused { Phase::Paused } else { Phase::Running };
+            runner.checkpoints = checkpoints;
+            runner.autosave = options.checkpoint_every.map(Autosave::new);
+            runner.meter = Meter::new(totals);
+            let start = Start {
+                version: env!("CARGO_PKG_VERSION").into(),
+                run_id,
+                wall_time_ns: wall_time_ns(),
+                paused: options.paused,
+                threads: options.threads as u32,
+                is_first: false,
             };
-            runner.run();
+            let kept = options.journal.as_ref();
+            let is_up = kept.map_or(Ok(()), |kept| runner.take_up(&kept.folder, kept.resumes, start, letters));
+            let goes_on = is_up.is_ok();
+            drop(taking_up.send(is_up));
+            if goes_on {
+                runner.run();
+            }
         });
         // Nobody may be waiting any more.
         let _ = ending.send(());
     };
     thread::Builder::new().name("physics".into()).spawn(body)?;
-    Ok(ended)
+    Ok((taken_up, ended))
 }
 
 /// Resolves at Ctrl-C, SIGTERM, and the end of standard input when that counts.

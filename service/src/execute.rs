@@ -17,7 +17,10 @@ impl Runner<'_> {
     pub(crate) fn receive(&mut self, order: Order, reply: ReplyTo) {
         match self.memory.admit(&order.key, order.fingerprint, reply) {
             Admission::New(reply) => {
-                let ticket = Ticket::new(order.key.clone(), order.verb, reply);
+                let ticket = Ticket::new(&order, reply, self.moment().step);
+                if let Some(error) = self.check_held(order.verb) {
+                    return self.put_off(ticket, error);
+                }
                 match self.check_lease(&order.key, order.verb) {
                     Ok(()) => self.begin(order, ticket),
                     Err(error) => self.refuse(ticket, error),
@@ -50,10 +53,12 @@ impl Runner<'_> {
             }
             _ => None,
         };
-        drop(reply.send(Answer { outcome, capture }));
+        // Behind the record that it is the answer to.
+        let step = self.moment().step;
+        self.journal.post(step, None, vec![(reply, Answer { outcome, capture })]);
     }
 
-    fn begin(&mut self, order: Order, ticket: Ticket) {
+    fn begin(&mut self, order: Order, mut ticket: Ticket) {
         let now_s = self.moment().time_s;
         match order.at_time_s {
             Some(time) if time < now_s => {
@@ -65,6 +70,7 @@ impl Runner<'_> {
                     let text = format!("{} commands wait for their time already", self.schedule.len());
                     self.refuse(ticket, error(v1::ErrorCode::Busy, "header.at_time_s", text));
                 } else {
+                    self.accept(&mut ticket);
                     self.schedule.add(time, order, ticket);
                 }
             }
@@ -103,15 +109,10 @@ impl Runner<'_> {
         match done {
             Ok(result) => {
                 let moment = self.moment();
-                ticket.settle(&mut self.memory, moment, result, None);
+                self.settle(ticket, moment, result, None);
             }
             Err(error) => self.refuse(ticket, error),
         }
-    }
-
-    pub(crate) fn refuse(&mut self, ticket: Ticket, error: v1::Error) {
-        let moment = self.moment();
-        ticket.settle(&mut self.memory, moment, Wire::Error(error), None);
     }
 
     fn change(&mut self, command: &Command) -> Result<Wire, v1::Error> {
@@ -203,11 +204,12 @@ impl Runner<'_> {
         }
     }
 
-    fn begin_steps(&mut self, steps: u64, ticket: Ticket) {
+    fn begin_steps(&mut self, steps: u64, mut ticket: Ticket) {
         if let Err(error) = self.check_ready() {
             return self.refuse(ticket, error);
         }
         let to_time_s = self.engine.clock().time_after_s(steps);
+        self.accept(&mut ticket);
         self.set_window(Window {
             ticket,
             outputs: None,
@@ -218,17 +220,20 @@ impl Runner<'_> {
         });
     }
 
-    fn begin_window(&mut self, window_s: f64, outputs: Outputs, ticket: Ticket) {
+    fn begin_window(&mut self, window_s: f64, outputs: Outputs, mut ticket: Ticket) {
         let begun = self.moment();
         match self.engine.begin_window(window_s) {
-            Ok(steps_total) => self.set_window(Window {
-                ticket,
-                outputs: Some(outputs),
-                begun,
-                to_time_s: begun.time_s + window_s,
-                steps_total,
-                steps_done: 0,
-            }),
+            Ok(steps_total) => {
+                self.accept(&mut ticket);
+                self.set_window(Window {
+                    ticket,
+                    outputs: Some(outputs),
+                    begun,
+                    to_time_s: begun.time_s + window_s,
+                    steps_total,
+                    steps_done: 0,
+                });
+            }
             Err(input) => self.refuse(ticket, invalid(input)),
         }
     }

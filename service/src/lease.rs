@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use sturz_protocol::keys::{Verb, check_name};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
+use crate::journal::record::{Entry, LeaseLost};
 use crate::order::{RequestKey, error};
 use crate::runner::{Phase, Runner};
 
@@ -72,7 +73,7 @@ impl Runner<'_> {
             return Err(error(v1::ErrorCode::Lease, "", text));
         }
         let checked = self.shared.clients.changes();
-        if !self.shared.clients.has(client) {
+        if !self.shared.clients.has(client) && !self.journal.is_replaying() {
             let text = format!(
                 "the liveliness token client/{client} is not declared: it is how the loss of this client shows"
             );
@@ -105,13 +106,24 @@ impl Runner<'_> {
             return;
         }
         let holder = std::mem::take(&mut lease.holder);
-        self.lease = None;
         tracing::warn!("the holder of the lease, {holder}, was lost");
-        self.announce_lease("the holder of the lease was lost", v1::Severity::Warning, &holder);
+        self.lose_lease(&holder);
+    }
+
+    /// Ends what the holder had under way.
+    pub(crate) fn lose_lease(&mut self, holder: &str) {
+        self.lease = None;
+        self.post(Entry::LeaseLost(LeaseLost { holder: holder.into() }));
+        self.announce_lease("the holder of the lease was lost", v1::Severity::Warning, holder);
         self.finish_window(v1::StopReason::LeaseLost);
         if self.phase == Phase::Running {
             self.set_phase(Phase::Paused, "the simulation is paused: the holder of the lease was lost");
         }
+    }
+
+    /// As a snapshot has it; its holder is not known to be there.
+    pub(crate) fn set_lease_holder(&mut self, holder: String) {
+        self.lease = (!holder.is_empty()).then_some(Lease { holder, checked: 0 });
     }
 
     /// Who holds it; empty when nobody does.

@@ -11,11 +11,12 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(&arguments.log);
     let done = match arguments.command {
-        Command::Serve(options) => commands::serve(options),
+        Command::Serve(options) => commands::serve(*options),
         Command::Run(options) => commands::run(&options),
         Command::Check(options) => commands::check(&options),
         Command::Scenes(options) => commands::scenes(&options),
         Command::Inspect(options) => commands::inspect(&options),
+        Command::Replay(options) => commands::replay(&options),
         Command::Schema => commands::schema(),
     };
     match done {

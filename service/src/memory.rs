@@ -65,6 +65,50 @@ impl RequestMemory {
         }
     }
 
+    /// Forgets a request that was admitted as new and then refused for what will pass; returns who else waits for it.
+    pub fn forget(&mut self, key: &RequestKey) -> Vec<ReplyTo> {
+        match self.entries.remove(key).map(|entry| entry.state) {
+            Some(State::Pending(waiting)) => waiting,
+            Some(State::Settled(_)) | None => Vec::new(),
+        }
+    }
+
+    /// Settled requests with their fingerprints, oldest first.
+    pub fn settled(&self) -> impl Iterator<Item = (u64, &v1::Outcome)> {
+        self.settled.iter().filter_map(|key| match self.entries.get(key) {
+            Some(Entry { fingerprint, state: State::Settled(outcome) }) => Some((*fingerprint, &**outcome)),
+            _ => None,
+        })
+    }
+
+    /// Remembers what was settled before this process.
+    pub fn remember(&mut self, fingerprint: u64, outcome: v1::Outcome) {
+        let key = RequestKey { client_id: outcome.client_id.clone(), request_id: outcome.request_id.clone() };
+        if !key.request_id.is_empty() {
+            let known = Entry { fingerprint, state: State::Settled(Box::new(outcome)) };
+            if self.entries.insert(key.clone(), known).is_none() {
+                self.settled.push_back(key);
+            }
+        }
+    }
+
+    /// Another outcome of a settled request than the one remembered.
+    pub fn correct(&mut self, key: &RequestKey, outcome: &v1::Outcome) {
+        if let Some(entry) = self.entries.get_mut(key) {
+            entry.state = State::Settled(Box::new(outcome.clone()));
+        }
+    }
+
+    /// Remembers so many from now on.
+    pub fn set_capacity(&mut self, capacity: usize) {
+        self.capacity = capacity;
+        while self.settled.len() > capacity
+            && let Some(oldest) = self.settled.pop_front()
+        {
+            self.entries.remove(&oldest);
+        }
+    }
+
     /// Remembers the outcome of a request that was admitted as new; returns who else waits for it.
     pub fn settle(&mut self, key: &RequestKey, outcome: &v1::Outcome) -> Vec<ReplyTo> {
         let Some(entry) = self.entries.get_mut(key) else {

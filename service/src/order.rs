@@ -1,13 +1,13 @@
 //! From a request on the wire to an order for the physics thread: validation once, at the border.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-
+use prost::bytes::Bytes;
 use sturz_engine::fields::FieldDefinition;
 use sturz_engine::scene::{InsertionDescription, Placement};
 use sturz_engine::{Command, InvalidInput, LoadDescription};
 use sturz_protocol::convert::{self, FloatType, ParticleColumn, Start};
 use sturz_protocol::keys::{MAX_NAME_BYTES, Verb, check_name};
 use sturz_protocol::{Request, v1};
+use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::config::Limits;
 
@@ -27,6 +27,8 @@ pub struct Order {
     pub key: RequestKey,
     /// Which command.
     pub verb: Verb,
+    /// As it came.
+    pub request: Bytes,
     /// Of command and payload: a reused request id shows.
     pub fingerprint: u64,
     /// Not before this simulated time.
@@ -148,8 +150,8 @@ impl Order {
             check_key(&key).and_then(|()| check_time(verb, header.at_time_s)).and_then(|()| body(&request, limits));
         match checked {
             Ok(body) => {
-                let fingerprint = fingerprint(verb, bytes);
-                Ok(Self { key, verb, fingerprint, at_time_s: header.at_time_s, body })
+                let (fingerprint, request) = (fingerprint(verb, bytes), Bytes::copy_from_slice(bytes));
+                Ok(Self { key, verb, request, fingerprint, at_time_s: header.at_time_s, body })
             }
             Err(error) => Err(Refusal { key, error }),
         }
@@ -157,9 +159,10 @@ impl Order {
 }
 
 fn fingerprint(verb: Verb, bytes: &[u8]) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    (verb, bytes).hash(&mut hasher);
-    hasher.finish()
+    let mut hasher = Xxh3Default::new();
+    hasher.update(verb.name().as_bytes());
+    hasher.update(bytes);
+    hasher.digest()
 }
 
 fn check_key(key: &RequestKey) -> Result<(), v1::Error> {

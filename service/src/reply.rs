@@ -57,14 +57,13 @@ impl Identity {
 
     /// A header for the state of this moment.
     pub fn header(&self, moment: Moment, topology_epoch: u64, seq: u64) -> v1::Header {
-        let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         v1::Header {
             schema_version: SCHEMA_VERSION,
             run_id: self.run_id.clone(),
             seq,
             step: moment.step,
             sim_time_s: moment.time_s,
-            wall_time_ns: since_epoch.as_nanos() as u64,
+            wall_time_ns: wall_time_ns(),
             topology_epoch,
         }
     }
@@ -123,6 +122,11 @@ impl Identity {
     }
 }
 
+/// Since 1970.
+pub fn wall_time_ns() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64
+}
+
 fn features(limits: &Limits) -> v1::Features {
     use sturz_engine::fields::FieldQuantity as Q;
     let quantities = [Q::SolidFraction, Q::Density, Q::Momentum, Q::Velocity, Q::GranularTemperature];
@@ -130,7 +134,7 @@ fn features(limits: &Limits) -> v1::Features {
         commands: Verb::ALL.map(|verb| verb.name().to_string()).to_vec(),
         columns: COLUMN_NAMES.map(|(_, name)| name.to_string()).to_vec(),
         field_quantities: quantities.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
-        capabilities: ["command_put", "at_time", "window", "event_history", "checkpoint", "loads", "lease"]
+        capabilities: ["command_put", "at_time", "window", "event_history", "checkpoint", "loads", "lease", "journal"]
             .map(String::from)
             .to_vec(),
         limits: Some(limits.to_wire()),

@@ -9,24 +9,32 @@ use crate::ticket::Ticket;
 
 impl Runner<'_> {
     /// Saves the state now; a file is answered when it is safe.
-    pub(crate) fn checkpoint(&mut self, token: String, on_disk: bool, ticket: Ticket) {
+    pub(crate) fn checkpoint(&mut self, token: String, on_disk: bool, mut ticket: Ticket) {
         let token = if token.is_empty() { self.checkpoints.new_token(self.moment().step) } else { token };
         let saved = self.checkpoints.check_room(&token, on_disk, &self.limits);
         let saved = saved.and_then(|()| self.engine.checkpoint().map_err(|failure| unusable(&token, &failure)));
         let moment = self.moment();
         match saved {
             Err(error) => self.refuse(ticket, error),
+            Ok(bytes) if on_disk && self.journal.is_replaying() => {
+                let kept = self.checkpoints.keep_replayed(&token, bytes.into());
+                let result =
+                    kept.map(|checkpoint| Wire::Checkpointed(v1::Checkpointed { checkpoint: Some(checkpoint) }));
+                self.settle(ticket, moment, result.unwrap_or_else(Wire::Error), None);
+            }
             Ok(bytes) if on_disk => {
+                let bytes = bytes.into();
+                self.accept(&mut ticket);
                 if let Some((Some((ticket, _)), error)) = self.checkpoints.send(&token, bytes, Some((ticket, moment))) {
                     self.refuse(ticket, error);
                 }
             }
-            Ok(bytes) => match self.checkpoints.keep(&token, bytes, &self.limits) {
+            Ok(bytes) => match self.checkpoints.keep(&token, bytes.into(), &self.limits) {
                 Err(error) => self.refuse(ticket, error),
                 Ok(checkpoint) => {
                     self.announce_checkpoint("a checkpoint was taken", &token);
                     let result = Wire::Checkpointed(v1::Checkpointed { checkpoint: Some(checkpoint) });
-                    ticket.settle(&mut self.memory, moment, result, None);
+                    self.settle(ticket, moment, result, None);
                 }
             },
         }
@@ -49,7 +57,7 @@ impl Runner<'_> {
                     Wire::Error(error)
                 }
             };
-            ticket.settle(&mut self.memory, moment, result, None);
+            self.settle(ticket, moment, result, None);
         }
     }
 

@@ -11,6 +11,8 @@ use crate::advance::Window;
 use crate::autosave::Autosave;
 use crate::checkpoints::Checkpoints;
 use crate::config::Limits;
+use crate::journal::Journal;
+use crate::journal::record::Entry;
 use crate::lease::{Clients, Lease};
 use crate::mailbox::{Inbox, Letter};
 use crate::memory::RequestMemory;
@@ -18,7 +20,8 @@ use crate::meter::Meter;
 use crate::order::{RequestKey, error};
 use crate::outbox::{Mark, Notice, Outbox};
 use crate::schedule::Schedule;
-use crate::ticket::Moment;
+use crate::stages::StageTotals;
+use crate::ticket::{Logged, Moment};
 
 /// Letters read between two steps; the rest waits for the next step, so that no flood stops the physics.
 const LETTERS_PER_TICK: usize = 64;
@@ -82,7 +85,42 @@ pub struct Runner<'e> {
     pub(crate) stop_time_s: Option<f64>,
     /// Whether the log has said that the step is too long for the contacts present.
     pub(crate) warned_of_step: bool,
+    pub(crate) journal: Journal,
+    /// Why the journal cannot be written: no step is done until it can.
+    pub(crate) held: Option<String>,
     pub(crate) shared: Arc<Shared>,
+}
+
+impl<'e> Runner<'e> {
+    /// A paused simulation without journal, lease or files.
+    pub fn new(engine: &'e mut Engine, inbox: Inbox, outbox: Outbox, shared: Arc<Shared>, limits: Limits) -> Self {
+        let mut runner = Self {
+            engine,
+            inbox,
+            outbox,
+            phase: Phase::Paused,
+            window: None,
+            memory: RequestMemory::new(limits.remembered_requests),
+            schedule: Schedule::default(),
+            checkpoints: Checkpoints::new(None),
+            autosave: None,
+            lease: None,
+            last_window: None,
+            meter: Meter::new(StageTotals::default()),
+            revision: 0,
+            stop_time_s: None,
+            warned_of_step: false,
+            journal: Journal::default(),
+            held: None,
+            shared,
+            limits,
+        };
+        let description = runner.engine.scene().description();
+        description.fields.iter().cloned().for_each(|field| runner.outbox.define_field(field));
+        let now_s = runner.moment().time_s;
+        runner.stop_time_s = description.stop.time_s.filter(|&stop| now_s == 0.0 || stop > now_s);
+        runner
+    }
 }
 
 impl Runner<'_> {
@@ -126,19 +164,24 @@ impl Runner<'_> {
         }
         self.settle_files();
         self.watch_lease();
+        self.watch_disk();
         if self.shared.stop.load(Relaxed) {
             self.phase = Phase::Ended;
         }
     }
 
     fn apply_due_orders(&mut self) {
-        while let Some((order, ticket)) = self.schedule.next_due(self.moment().time_s) {
+        while self.held.is_none()
+            && let Some((order, mut ticket)) = self.schedule.next_due(self.moment().time_s)
+        {
+            ticket.set_logged(Logged::Due);
             self.execute(order.body, ticket);
         }
     }
 
-    fn is_stepping(&self) -> bool {
+    pub(crate) fn is_stepping(&self) -> bool {
         match self.phase {
+            _ if self.held.is_some() => false,
             Phase::Running => true,
             Phase::Paused => self.window.is_some(),
             Phase::Failed(_) | Phase::Ended => false,
@@ -146,7 +189,7 @@ impl Runner<'_> {
     }
 
     /// One step; its length, unless it failed.
-    fn step(&mut self) -> Option<f64> {
+    pub(crate) fn step(&mut self) -> Option<f64> {
         let before_s = self.moment().time_s;
         let result = self.engine.step();
         let now = self.moment();
@@ -172,11 +215,11 @@ impl Runner<'_> {
         if let Some(window) = self.window.take() {
             self.leave(&window);
             let error = error(v1::ErrorCode::RunFailed, "", text);
-            window.ticket.settle(&mut self.memory, window.begun, Wire::Error(error), None);
+            self.settle(window.ticket, window.begun, Wire::Error(error), None);
         }
     }
 
-    fn finish_window_if_complete(&mut self) {
+    pub(crate) fn finish_window_if_complete(&mut self) {
         if self.window.as_ref().is_some_and(Window::is_complete) {
             self.finish_window(v1::StopReason::Complete);
         }
@@ -192,7 +235,7 @@ impl Runner<'_> {
         self.last_window = Some(window.ticket.key().clone());
         let result = window.result(self.moment(), reason);
         let capture = window.outputs.as_ref().and_then(|outputs| self.capture(outputs));
-        window.ticket.settle(&mut self.memory, window.begun, result, capture);
+        self.settle(window.ticket, window.begun, result, capture);
     }
 
     fn leave(&mut self, window: &Window) {
@@ -201,7 +244,7 @@ impl Runner<'_> {
         }
     }
 
-    fn pause_at_stop_time(&mut self) {
+    pub(crate) fn pause_at_stop_time(&mut self) {
         if self.phase == Phase::Running && self.stop_time_s.is_some_and(|stop| self.moment().time_s >= stop) {
             self.stop_time_s = None;
             self.set_phase(Phase::Paused, "the simulation is paused at the scene's stop time");
@@ -262,13 +305,19 @@ impl Runner<'_> {
         self.meter.woke();
     }
 
-    /// Answers whoever still waits for steps. Orders for later are dropped: their clients are told that the daemon
-    /// is ending.
+    /// Answers whoever still waits: for steps by what was reached, for a later time by a refusal.
     fn end(mut self) {
         self.finish_window(v1::StopReason::Stopped);
-        drop(self.schedule.drain());
+        for ticket in self.schedule.drain() {
+            self.refuse(ticket, error(v1::ErrorCode::Stopping, "", "the daemon is ending"));
+        }
         self.checkpoints.finish();
         self.settle_files();
+        if self.journal.is_writing() {
+            self.post(Entry::End(self.journal_mark()));
+            self.save_snapshot();
+            self.journal.finish();
+        }
         self.announce(v1::EventKind::Ended, v1::Severity::Info, "the simulation has ended");
     }
 
@@ -289,6 +338,10 @@ impl Runner<'_> {
 
     /// Puts an event about something with a name on its way.
     pub(crate) fn announce_named(&self, kind: v1::EventKind, severity: v1::Severity, message: &str, name: &str) {
+        if self.journal.is_replaying() {
+            // It was news when it happened.
+            return;
+        }
         self.outbox.notify(Notice::Event {
             kind,
             severity,

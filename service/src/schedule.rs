@@ -1,6 +1,6 @@
 //! Orders that wait for their simulated time.
 
-use crate::order::Order;
+use crate::order::{Order, RequestKey};
 use crate::ticket::Ticket;
 
 /// Orders by time, then by arrival.
@@ -35,6 +35,17 @@ impl Schedule {
         None
     }
 
+    /// All of them, next first.
+    pub fn iter(&self) -> impl Iterator<Item = &Ticket> {
+        self.orders.iter().rev().map(|(_, _, ticket)| ticket)
+    }
+
+    /// Takes one out.
+    pub fn remove(&mut self, key: &RequestKey) -> Option<Ticket> {
+        let at = self.orders.iter().position(|(_, order, _)| order.key == *key)?;
+        Some(self.orders.remove(at).2)
+    }
+
     /// All of them, for the end.
     pub fn drain(&mut self) -> Vec<Ticket> {
         self.orders.drain(..).rev().map(|(_, _, ticket)| ticket).collect()
@@ -43,6 +54,7 @@ impl Schedule {
 
 #[cfg(test)]
 mod tests {
+    use prost::bytes::Bytes;
     use sturz_protocol::keys::Verb;
     use tokio::sync::oneshot;
 
@@ -54,9 +66,10 @@ mod tests {
         let mut schedule = Schedule::default();
         for (name, time) in [("b1", 2.0), ("a", 1.0), ("b2", 2.0), ("c", 3.0)] {
             let key = RequestKey { client_id: name.into(), request_id: String::new() };
-            let order =
-                Order { key: key.clone(), verb: Verb::Pause, fingerprint: 0, at_time_s: None, body: Body::Pause };
-            schedule.add(time, order, Ticket::new(key, Verb::Pause, oneshot::channel().0));
+            let request = Bytes::new();
+            let order = Order { key, verb: Verb::Pause, request, fingerprint: 0, at_time_s: None, body: Body::Pause };
+            let ticket = Ticket::new(&order, oneshot::channel().0, 0);
+            schedule.add(time, order, ticket);
         }
         let mut due = |now| std::iter::from_fn(|| schedule.next_due(now)).map(|o| o.0.key.client_id).collect();
         let until_2: Vec<String> = due(2.0);

@@ -1,20 +1,34 @@
 //! What must be answered: kept with an order until it is settled.
 
-use std::sync::Arc;
-
+use prost::bytes::Bytes;
 use sturz_engine::Effect;
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
-use crate::mailbox::{Answer, Capture, ReplyTo};
-use crate::memory::RequestMemory;
-use crate::order::RequestKey;
+use crate::journal::record::{Accepted, Due, Entry};
+use crate::mailbox::ReplyTo;
+use crate::order::{Order, RequestKey};
 
 /// An order that awaits its outcome.
 pub struct Ticket {
     key: RequestKey,
     verb: Verb,
+    request: Bytes,
     reply: ReplyTo,
+    logged: Logged,
+    /// Steps done when it was taken on.
+    taken_on: u64,
+}
+
+/// What the journal knows of an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Logged {
+    /// Nothing: it is settled at once, or refused.
+    No,
+    /// That it was accepted.
+    Accepted,
+    /// That it waits for its simulated time, which has come.
+    Due,
 }
 
 /// When an order took effect.
@@ -27,9 +41,16 @@ pub struct Moment {
 }
 
 impl Ticket {
-    /// For a request of this key.
-    pub fn new(key: RequestKey, verb: Verb, reply: ReplyTo) -> Self {
-        Self { key, verb, reply }
+    /// For an order.
+    pub fn new(order: &Order, reply: ReplyTo, taken_on: u64) -> Self {
+        let request = order.request.clone();
+        Self { key: order.key.clone(), verb: order.verb, request, reply, logged: Logged::No, taken_on }
+    }
+
+    /// The step of its entry in the journal, if that is made at step `now`: a command that changes the step is found
+    /// where it came.
+    pub fn entry_step(&self, now: u64) -> u64 {
+        if self.logged == Logged::No { self.taken_on } else { now }
     }
 
     /// Which request it is of.
@@ -42,15 +63,35 @@ impl Ticket {
         self.verb
     }
 
-    /// Remembers the outcome, and sends it to all who wait for it.
-    pub fn settle(self, memory: &mut RequestMemory, moment: Moment, result: Wire, capture: Option<Arc<Capture>>) {
-        let outcome = outcome(&self.key, self.verb, moment, result);
-        for twin in memory.settle(&self.key, &outcome) {
-            let outcome = v1::Outcome { repeated: true, ..outcome.clone() };
-            drop(twin.send(Answer { outcome, capture: capture.clone() }));
+    /// What the journal knows of it.
+    pub fn logged(&self) -> Logged {
+        self.logged
+    }
+
+    /// For the journal: the command, without what becomes of it.
+    pub fn accepted(&self) -> Accepted {
+        Accepted { verb: self.verb.name().into(), request: self.request.clone(), outcome: None }
+    }
+
+    /// The journal knows.
+    pub fn set_logged(&mut self, logged: Logged) {
+        self.logged = logged;
+    }
+
+    /// What the journal shall say at its outcome; nothing of a refusal.
+    pub fn entry(&self, outcome: &v1::Outcome) -> Option<Entry> {
+        let is_refused = matches!(outcome.result, Some(Wire::Error(_)));
+        match self.logged {
+            Logged::Accepted => Some(Entry::Settled(outcome.clone())),
+            Logged::Due => Some(Entry::Due(Due { outcome: Some(outcome.clone()) })),
+            Logged::No if is_refused || self.verb == Verb::ListCheckpoints => None,
+            Logged::No => Some(Entry::Command(Accepted { outcome: Some(outcome.clone()), ..self.accepted() })),
         }
-        // A client that has gone no longer wants to know.
-        drop(self.reply.send(Answer { outcome, capture }));
+    }
+
+    /// Where its answer goes.
+    pub fn into_reply(self) -> ReplyTo {
+        self.reply
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod check;
 mod inspect;
+mod replay;
 mod run;
 mod scenes;
 mod serve;
@@ -11,6 +12,7 @@ use thiserror::Error;
 
 pub use check::check;
 pub use inspect::inspect;
+pub use replay::replay;
 pub use run::run;
 pub use scenes::{scenes, schema};
 pub use serve::serve;

@@ -5,13 +5,27 @@ use std::time::Duration;
 use crate::cli;
 use crate::commands::{Failure, runtime};
 use crate::config::{Bus, DEFAULT_LISTEN, Limits};
-use crate::daemon::{self, Options, Ready, Restore, ServeError};
+use crate::daemon::{self, KeptRun, Options, Ready, Restore, ServeError};
+use crate::journal::Folder;
 use crate::scenes;
+
+/// Between snapshots unless told otherwise: what a resumed run does again at most, apart from the log's commands.
+const SNAPSHOT_EVERY: Duration = Duration::from_secs(60);
 
 /// Serves a scene until it is told to end.
 pub fn serve(options: cli::Serve) -> Result<(), Failure> {
-    let scene = scenes::load(&options.scene.scene)?;
-    let instance = options.name.unwrap_or_else(|| scenes::instance_name(&options.scene.scene));
+    if options.checkpoint_every.is_some()
+        && ![&options.checkpoints, &options.journal, &options.resume].iter().any(|folder| folder.is_some())
+    {
+        return Err(Failure::Usage("--checkpoint-every needs a folder: --journal or --checkpoints".into()));
+    }
+    let resumed = options.resume.as_deref().map(Folder::open).transpose()?;
+    let (scene, given_name) = match (&resumed, &options.scene) {
+        (Some((folder, about)), _) => (folder.scene()?, about.instance.clone()),
+        (None, Some(scene)) => (scenes::load(scene)?, scenes::instance_name(scene)),
+        (None, None) => return Err(Failure::Usage("which scene?".into())),
+    };
+    let instance = options.name.unwrap_or(given_name);
     sturz_protocol::keys::check_name(&instance).map_err(|error| Failure::Usage(format!("--name: {error}")))?;
     // A configuration file says where to listen, unless the command line does.
     let listen = if options.listen.is_empty() && options.config.is_none() {
@@ -24,6 +38,15 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
     let limits = Limits::load(options.limits.as_deref()).map_err(|error| Failure::Usage(format!("{error:#}")))?;
     let checkpoint_every = options.checkpoint_every.map(interval).transpose()?;
     let restore = options.restore.map(start).transpose()?;
+    let (fsync, keep) = (options.journal_fsync, options.journal_keep);
+    let resumes = resumed.is_some();
+    let folder = match (resumed, &options.journal) {
+        (Some((folder, _)), _) => Some(folder),
+        (None, Some(path)) => Some(Folder::create(path, &instance, &scene)?),
+        (None, None) => None,
+    };
+    let journal = folder.map(|folder| KeptRun { folder: folder.kept_as(fsync, keep), resumes });
+    let checkpoint_every = checkpoint_every.or(journal.as_ref().map(|_| SNAPSHOT_EVERY));
     let (json, paused) = (options.json, options.paused);
     let options = Options {
         instance,
@@ -34,6 +57,7 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
         checkpoints: options.checkpoints,
         checkpoint_every,
         restore,
+        journal,
         stop_on_stdin_eof: options.stop_on_stdin_eof,
     };
     let ready = |ready: &Ready| announce(ready, paused, json);

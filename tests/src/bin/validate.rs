@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Parser;
-use sturz_tests::cases::{Case, Row, registry};
+use sturz_tests::cases::{self, Case, Row, registry};
 
 /// Compares the engine with closed forms, papers and other programs. Exit code 1 when a comparison fails.
 #[derive(Parser)]
@@ -42,18 +42,10 @@ fn main() -> anyhow::Result<ExitCode> {
     for case in cases {
         println!("{} {}", case.id, case.title);
         let own = case.rows_with(&data);
-        own.iter().filter(|row| !arguments.quiet || !row.pass).for_each(print_row);
+        own.iter().filter(|row| !arguments.quiet || !row.pass).for_each(Row::print);
         rows.extend(own);
     }
-    let failed = rows.iter().filter(|row| !row.pass).count();
-    let wall_s: f64 = rows.iter().map(|row| row.wall_s).sum();
-    let judged = rows.iter().filter(|row| row.is_judged()).count();
-    let shown = rows.len() - judged;
-    println!("{judged} comparisons, {failed} failed, {shown} figures only shown, {wall_s:.1} s");
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&rows)? + "\n";
-        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
-    }
+    let failed = cases::conclude(&rows, arguments.json.as_deref())?;
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -69,20 +61,4 @@ fn chosen(ids: &[String]) -> anyhow::Result<Vec<Case>> {
     }
     all.retain(|case| ids.iter().any(|id| id == case.id));
     Ok(all)
-}
-
-fn print_row(row: &Row) {
-    let mark = if row.pass { "ok  " } else { "FAIL" };
-    if row.unit == "true" {
-        println!("  {mark} {}", row.metric);
-        return;
-    }
-    if !row.is_judged() {
-        println!("       {:58} {:>15.9e} {}", row.metric, row.value, row.unit);
-        return;
-    }
-    println!(
-        "  {mark} {:58} {:>15.9e} reference {:>15.9e} +- {:.1e} {}",
-        row.metric, row.value, row.reference, row.tolerance, row.unit
-    );
 }

@@ -32,6 +32,7 @@ mod standing;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use anyhow::Context as _;
 use serde::Serialize;
 use sturz_engine::Engine;
 
@@ -63,6 +64,37 @@ impl Row {
     pub fn is_judged(&self) -> bool {
         self.tolerance.is_finite()
     }
+
+    /// As a line on standard output.
+    pub fn print(&self) {
+        let mark = if self.pass { "ok  " } else { "FAIL" };
+        if self.unit == "true" {
+            println!("  {mark} {}", self.metric);
+            return;
+        }
+        if !self.is_judged() {
+            println!("       {:58} {:>15.9e} {}", self.metric, self.value, self.unit);
+            return;
+        }
+        println!(
+            "  {mark} {:58} {:>15.9e} reference {:>15.9e} +- {:.1e} {}",
+            self.metric, self.value, self.reference, self.tolerance, self.unit
+        );
+    }
+}
+
+/// Sums rows up on standard output and writes them as an array of JSON; how many have failed.
+pub fn conclude(rows: &[Row], json: Option<&Path>) -> anyhow::Result<usize> {
+    let failed = rows.iter().filter(|row| !row.pass).count();
+    let wall_s: f64 = rows.iter().map(|row| row.wall_s).sum();
+    let judged = rows.iter().filter(|row| row.is_judged()).count();
+    let shown = rows.len() - judged;
+    println!("{judged} comparisons, {failed} failed, {shown} figures only shown, {wall_s:.1} s");
+    if let Some(path) = json {
+        let text = serde_json::to_string_pretty(rows)? + "\n";
+        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(failed)
 }
 
 /// Takes down what a case measures.
@@ -75,6 +107,16 @@ pub struct Checks {
 }
 
 impl Checks {
+    /// Of a case.
+    pub fn new(id: &'static str, data: PathBuf) -> Self {
+        Self { id, rows: Vec::new(), since: Instant::now(), particle_steps: 0, data }
+    }
+
+    /// What was taken down.
+    pub fn into_rows(self) -> Vec<Row> {
+        self.rows
+    }
+
     /// Folder of reference data that the repository does not hold.
     pub fn data(&self) -> &Path {
         &self.data
@@ -168,12 +210,11 @@ impl Case {
 
     /// Runs the case. A case that cannot be run ends with a row that fails and says why.
     pub fn rows_with(&self, data: &Path) -> Vec<Row> {
-        let (since, data) = (Instant::now(), data.to_owned());
-        let mut checks = Checks { id: self.id, rows: Vec::new(), since, particle_steps: 0, data };
+        let mut checks = Checks::new(self.id, data.to_owned());
         if let Err(error) = (self.run)(&mut checks) {
             checks.holds(format!("ran to its end ({error})"), false);
         }
-        checks.rows
+        checks.into_rows()
     }
 }
 

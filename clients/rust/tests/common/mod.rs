@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use std::io::{BufRead as _, BufReader};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -42,7 +42,8 @@ pub struct Daemon {
     pub instance: String,
 }
 
-fn binary() -> PathBuf {
+/// The program.
+pub fn binary() -> PathBuf {
     let built = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/release/sturz");
     let path = env::var_os("STURZ_BINARY").map_or_else(|| PathBuf::from(built), PathBuf::from);
     assert!(
@@ -65,11 +66,23 @@ impl Daemon {
         fs::create_dir_all(&folder).unwrap();
         let scene = folder.join("scene.toml");
         fs::write(&scene, scene_text).unwrap();
-        let mut process = Command::new(binary())
-            .arg("serve")
-            .arg(&scene)
-            .args(["--name", name, "--listen", "tcp/127.0.0.1:0", "--paused", "--stop-on-stdin-eof", "--json"])
-            .args(more)
+        let mut command = Command::new(binary());
+        command.arg("serve").arg(&scene).args(["--name", name, "--paused"]).args(more);
+        Self::spawn(command, folder)
+    }
+
+    /// Goes on with the run of a journal.
+    pub fn resume(journal: &Path, more: &[&str]) -> Self {
+        let folder = env::temp_dir().join("sturz-resumed-has-no-folder");
+        let mut command = Command::new(binary());
+        command.arg("serve").arg("--resume").arg(journal).args(more);
+        Self::spawn(command, folder)
+    }
+
+    /// Starts what serves, and waits until it does.
+    pub fn spawn(mut command: Command, folder: PathBuf) -> Self {
+        let mut process = command
+            .args(["--listen", "tcp/127.0.0.1:0", "--stop-on-stdin-eof", "--json"])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -98,6 +111,12 @@ impl Daemon {
     /// Ends it without a chance to say so.
     pub fn kill(&mut self) {
         self.process.kill().unwrap();
+        self.process.wait().unwrap();
+    }
+
+    /// Of the process.
+    pub fn pid(&self) -> u32 {
+        self.process.id()
     }
 
     /// Waits until the process has ended of itself, and tells whether it was content.
