@@ -135,9 +135,10 @@ impl Runner<'_> {
 
     /// One tick: what clients ask, one step, what clients see.
     fn tick(&mut self) {
-        // Commands take effect here, between two steps, and are answered with the step that they precede.
-        self.read_mail();
+        // Commands take effect here, between two steps, and are answered with the step that they precede. First those whose
+        // time has come: whoever asks for the state finds them applied, however fast the question is.
         self.apply_due_orders();
+        self.read_mail();
 
         let stepped_s = if self.is_stepping() { self.step() } else { None };
         self.finish_window_if_complete();

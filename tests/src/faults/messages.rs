@@ -117,13 +117,20 @@ fn count_reply(key: &str, reply: zenoh::query::Reply, answers: &mut Answers) {
                 answers.refused += 1;
             }
             Ok(v1::Outcome { result: Some(_), .. }) => answers.done += 1,
-            _ => answers.unreadable += 1,
+            other => answers.unreadable(key, &format!("{other:?}")),
         },
         Ok(_) => answers.done += 1,
         Err(error) => match v1::Error::decode(&*error.payload().to_bytes()) {
             Ok(error) if !error.message.is_empty() => answers.refused += 1,
-            _ => answers.unreadable += 1,
+            _ => answers.unreadable(key, &String::from_utf8_lossy(&error.payload().to_bytes())),
         },
+    }
+}
+
+impl Answers {
+    fn unreadable(&mut self, key: &str, what: &str) {
+        self.unreadable += 1;
+        eprintln!("{key}: {what}");
     }
 }
 

@@ -173,7 +173,8 @@ pub fn run(simulation: &Simulation, actions: &[Action]) -> anyhow::Result<Vec<Re
 
 /// How two replies to the same request differ; `None`: not at all.
 pub fn difference(expected: &Reached, found: &Reached) -> Option<String> {
-    (expected.outcome != found.outcome || expected.state_hash != found.state_hash).then(|| format!("expected {expected:?}, found {found:?}"))
+    (expected.outcome != found.outcome || expected.state_hash != found.state_hash)
+        .then(|| format!("expected {expected:?}, found {found:?}"))
 }
 
 /// Refuses a script in which next to everything is refused.

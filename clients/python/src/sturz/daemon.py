@@ -80,18 +80,23 @@ class Daemon:
         threads: int | None,
         paused: bool,
         checkpoints: str | os.PathLike[str] | None,
+        journal: str | os.PathLike[str] | None,
+        resume: str | os.PathLike[str] | None,
         timeout_s: float,
         binary: str | os.PathLike[str] | None,
     ) -> None:
-        if (scene is None) == (scene_text is None):
-            raise ValueError("give either scene or scene_text")
+        if [scene, scene_text, resume].count(None) != 2:
+            raise ValueError("give one of scene, scene_text and resume")
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         if scene_text is not None:
             self._folder = tempfile.TemporaryDirectory(prefix="sturz-")
             path = Path(self._folder.name) / "scene.toml"
             path.write_text(scene_text)
             scene = path
-        command = [str(find_binary(binary)), "serve", os.fspath(scene or ""), "--name", name]
+        command = [str(find_binary(binary)), "serve", "--name", name]
+        command += [os.fspath(scene)] if scene is not None else []
+        command += ["--journal", os.fspath(journal)] if journal is not None else []
+        command += ["--resume", os.fspath(resume)] if resume is not None else []
         command += ["--listen", "tcp/127.0.0.1:0", "--stop-on-stdin-eof", "--json"]
         command += ["--paused"] if paused else []
         command += ["--threads", str(threads)] if threads is not None else []

@@ -114,6 +114,8 @@ def launch(
     threads: int | None = None,
     paused: bool = True,
     checkpoints: str | os.PathLike[str] | None = None,
+    journal: str | os.PathLike[str] | None = None,
+    resume: str | os.PathLike[str] | None = None,
     timeout_s: float = 30.0,
     binary: str | os.PathLike[str] | None = None,
 ) -> Simulation:
@@ -125,7 +127,9 @@ def launch(
         name: instance on the bus: letters, digits, `_` and `-`; made from the scene when absent.
         threads: of the physics; the daemon's default when absent.
         paused: start paused, so that nothing happens before the first command.
-        checkpoints: folder for checkpoints on disk, made if need be; none when absent.
+        checkpoints: folder for checkpoints on disk, made if need be; none when absent. A journal has its own.
+        journal: folder for a new journal: what was acknowledged survives the daemon.
+        resume: folder of a journal: goes on with its run, instead of starting a scene.
         timeout_s: for start and connection together.
         binary: the daemon; else the environment's STURZ_BINARY, the repository's release build, or the PATH.
 
@@ -141,6 +145,8 @@ def launch(
         threads=threads,
         paused=paused,
         checkpoints=checkpoints,
+        journal=journal,
+        resume=resume,
         timeout_s=timeout_s,
         binary=binary,
     )

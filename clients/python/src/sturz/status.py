@@ -46,6 +46,7 @@ class EventKind(enum.IntEnum):
     CHECKPOINT = 9
     RESTORED = 10
     LEASE = 11
+    JOURNAL = 20
 
     @classmethod
     def _missing_(cls, value: object) -> EventKind:

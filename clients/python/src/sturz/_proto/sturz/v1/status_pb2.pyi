@@ -31,6 +31,7 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_CHECKPOINT: _ClassVar[EventKind]
     EVENT_KIND_RESTORED: _ClassVar[EventKind]
     EVENT_KIND_LEASE: _ClassVar[EventKind]
+    EVENT_KIND_JOURNAL: _ClassVar[EventKind]
 
 class Severity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -56,6 +57,7 @@ EVENT_KIND_FIELD: EventKind
 EVENT_KIND_CHECKPOINT: EventKind
 EVENT_KIND_RESTORED: EventKind
 EVENT_KIND_LEASE: EventKind
+EVENT_KIND_JOURNAL: EventKind
 SEVERITY_UNSPECIFIED: Severity
 SEVERITY_INFO: Severity
 SEVERITY_WARNING: Severity
