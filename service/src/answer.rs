@@ -95,6 +95,7 @@ impl Runner<'_> {
             stages: rates.stages,
             sim_s_per_wall_s: rates.sim_s_per_wall_s,
             steps_per_wall_s: rates.steps_per_wall_s,
+            longest_pause_s: rates.longest_pause_s,
             streams: self.outbox.counts(),
             wall_s: self.meter.wall_s(),
         }

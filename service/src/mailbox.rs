@@ -115,6 +115,8 @@ pub struct ReportSample {
     pub sim_s_per_wall_s: f64,
     /// Since the report before.
     pub steps_per_wall_s: f64,
+    /// Longest wall time from the end of a step to that of the next one, since the report before.
+    pub longest_pause_s: f64,
     /// Frames of each stream.
     pub streams: Vec<v1::StreamCounts>,
     /// Wall seconds since the start.

@@ -19,6 +19,8 @@ pub struct Rates {
     pub steps_per_wall_s: f64,
     /// Wall time per step of each stage.
     pub stages: Vec<v1::StageCost>,
+    /// Longest wall time from the end of a step to that of the next one, s.
+    pub longest_pause_s: f64,
 }
 
 /// Where a span began.
@@ -37,6 +39,7 @@ pub struct Meter {
     totals: StageTotals,
     now: Reading,
     before: Reading,
+    longest_pause: Duration,
     rates: Rates,
 }
 
@@ -50,6 +53,7 @@ impl Meter {
             totals,
             now: Reading::default(),
             before: Reading::default(),
+            longest_pause: Duration::ZERO,
             rates: Rates::default(),
         }
     }
@@ -62,7 +66,9 @@ impl Meter {
     /// A tick has ended; `stepped_s` is the simulated time of its step, if it made one.
     pub fn tick(&mut self, now: Instant, stepped_s: Option<f64>) {
         if let Some(simulated) = stepped_s {
-            self.now.busy += now.saturating_duration_since(self.last_tick);
+            let pause = now.saturating_duration_since(self.last_tick);
+            self.now.busy += pause;
+            self.longest_pause = self.longest_pause.max(pause);
             self.now.steps += 1;
             self.now.simulated_s += simulated;
         }
@@ -85,6 +91,7 @@ impl Meter {
                 sim_s_per_wall_s: (self.now.simulated_s - self.before.simulated_s) / wall,
                 steps_per_wall_s: steps as f64 / wall,
                 stages: costs(&self.before.stages, &self.now.stages, steps),
+                longest_pause_s: std::mem::take(&mut self.longest_pause).as_secs_f64(),
             };
             self.before = self.now;
         }

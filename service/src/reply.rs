@@ -99,6 +99,7 @@ impl Identity {
             stages: sample.stages.clone(),
             sim_s_per_wall_s: sample.sim_s_per_wall_s,
             steps_per_wall_s: sample.steps_per_wall_s,
+            longest_pause_s: sample.longest_pause_s,
             streams: sample.streams.clone(),
             state_hash: sample.state_hash,
             progress: sample.progress,

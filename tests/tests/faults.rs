@@ -27,6 +27,11 @@ fn hostile_messages_change_nothing() {
 }
 
 #[test]
+fn listeners_are_not_noticed() {
+    holds("CROWD");
+}
+
+#[test]
 fn windows_over_the_bus_are_those_of_the_engine() {
     holds("LOCKSTEP");
 }

@@ -27,7 +27,7 @@ def test_a_killed_run_goes_on(tmp_path: Path) -> None:
     with sturz.launch(resume=journal, threads=2) as simulation:
         info = simulation.info()
         assert (info.step, info.state_hash) == (expected.step, expected.state_hash)
-        assert info.sim_time_s == reached.time_reached_s
+        assert info.time_s == reached.time_reached_s
         restored = simulation.restore(token="here")
         assert restored.state_hash == saved.state_hash
 

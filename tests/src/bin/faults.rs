@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use clap::Parser;
 use sturz_tests::cases::{self, Row};
-use sturz_tests::faults::{Size, registry};
+use sturz_tests::faults::{self, Size, registry};
 
 /// Kills, damages and floods a daemon, and compares what it does with an undisturbed one. Exit code 1 when a comparison
 /// fails. The daemon is the `sturz` beside this program, or STURZ_BINARY.
@@ -24,10 +24,17 @@ struct Arguments {
     /// Write the comparisons here, as an array
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Listen to a daemon until standard input ends: what the checks start many times
+    #[arg(long, num_args = 2, value_names = ["ENDPOINT", "NAME"], hide = true)]
+    listen: Option<Vec<String>>,
 }
 
 fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
+    if let Some([endpoint, instance]) = arguments.listen.as_deref() {
+        faults::listen(endpoint, instance)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let all = registry();
     for id in &arguments.ids {
         ensure!(all.iter().any(|fault| fault.id == id), "no check '{id}'; --list shows them");

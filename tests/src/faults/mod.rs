@@ -4,6 +4,7 @@ mod chance;
 mod daemon;
 mod damage;
 mod kills;
+mod listeners;
 mod lockstep;
 mod messages;
 mod script;
@@ -11,6 +12,8 @@ mod script;
 use std::path::PathBuf;
 
 use crate::cases::{Checks, Row};
+
+pub use listeners::listen;
 
 /// How much of a check is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +59,7 @@ pub fn registry() -> Vec<Fault> {
         Fault { id: "KILL", title: "killed at random moments and taken up again", run: kills::check },
         Fault { id: "DAMAGE", title: "cuts and flipped bits in a journal's files", run: damage::check },
         Fault { id: "HOSTILE", title: "messages that cannot be used, on every key", run: messages::check },
+        Fault { id: "CROWD", title: "listeners that hang, die, come and go", run: listeners::check },
         Fault { id: "LOCKSTEP", title: "what a window costs over the bus", run: lockstep::check },
     ]
 }
