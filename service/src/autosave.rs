@@ -35,6 +35,10 @@ impl Runner<'_> {
     /// Saves the state if that is due.
     pub(crate) fn autosave(&mut self, now: Instant) {
         let step = self.moment().step;
+        if self.journal.is_writing() && self.checkpoints.is_writing() {
+            // A snapshot has no place for one that is neither asked for nor there.
+            return;
+        }
         let Some(autosave) = self.autosave.as_mut().filter(|autosave| autosave.is_due(now, step)) else { return };
         (autosave.last, autosave.last_step) = (now, step);
         if self.journal.is_writing() {

@@ -22,6 +22,8 @@ pub struct Checkpoints {
     /// Sum over the entries in memory.
     bytes_in_memory: u64,
     archive: Option<Archive<Waiting>>,
+    /// On their way to the disk.
+    in_flight: usize,
     /// Where files are, without an archive that writes there.
     folder: Option<PathBuf>,
     made: u64,
@@ -55,6 +57,7 @@ impl Checkpoints {
             entries: BTreeMap::new(),
             bytes_in_memory: 0,
             archive,
+            in_flight: 0,
             folder: None,
             made: 0,
             found,
@@ -181,7 +184,7 @@ impl Checkpoints {
     }
 
     /// Sends one to the disk. When it is not taken on, who waits for it comes back, with the reason.
-    pub fn send(&self, token: &str, bytes: Bytes, waiting: Waiting) -> Option<(Waiting, v1::Error)> {
+    pub fn send(&mut self, token: &str, bytes: Bytes, waiting: Waiting) -> Option<(Waiting, v1::Error)> {
         let Some(archive) = &self.archive else {
             return Some((waiting, no_folder()));
         };
@@ -189,15 +192,27 @@ impl Checkpoints {
             Ok(checkpoint) => checkpoint,
             Err(error) => return Some((waiting, error)),
         };
-        archive.write(Job { checkpoint, bytes, with: waiting }).err().map(|waiting| {
-            let text = "the disk has not taken the checkpoints before this one yet: try again";
-            (waiting, error(v1::ErrorCode::Busy, "on_disk", text))
-        })
+        match archive.write(Job { checkpoint, bytes, with: waiting }) {
+            Ok(()) => {
+                self.in_flight += 1;
+                None
+            }
+            Err(waiting) => {
+                let text = "the disk has not taken the checkpoints before this one yet: try again";
+                Some((waiting, error(v1::ErrorCode::Busy, "on_disk", text)))
+            }
+        }
+    }
+
+    /// Whether any is on its way to the disk.
+    pub fn is_writing(&self) -> bool {
+        self.in_flight > 0
     }
 
     /// The next file that is done, noted if it is there.
     pub fn next_done(&mut self) -> Option<(Waiting, Result<v1::Checkpoint, v1::Error>)> {
         let Done { checkpoint, outcome, with } = self.archive.as_ref()?.next_done()?;
+        self.in_flight -= 1;
         match outcome {
             Ok(()) => {
                 self.put(Entry { checkpoint: checkpoint.clone(), bytes: None });
