@@ -126,6 +126,13 @@ impl Simulation {
         self.quick(drop_field(name)).and_then(read)
     }
 
+    /// Sets columns, float type and pace of a stream, for all who subscribe to it: an [`crate::Output`], or the message of
+    /// the wire.
+    pub fn define_output(&self, output: impl Into<v1::OutputDefinition>) -> Result<Applied, ClientError> {
+        let request = v1::DefineOutputRequest { header: None, output: Some(output.into()) };
+        self.quick(Request::DefineOutput(request)).and_then(read)
+    }
+
     /// Saves the whole state in the daemon's memory, to go back to by [`Simulation::restore`]; one of that token is
     /// replaced. With an empty token the daemon makes one.
     pub fn checkpoint(&self, token: &str) -> Result<Checkpointed, ClientError> {
