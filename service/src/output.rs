@@ -169,7 +169,7 @@ pub fn choose<C>(
         Some("f32") => FloatType::F32,
         Some(other) => {
             let text = format!("is {other:?}: f64 or f32 are possible");
-            return Err(error(v1::ErrorCode::InvalidInput, "float", text));
+            return Err(error(v1::ErrorCode::NotFound, "float", text));
         }
     };
     Ok(Chosen { columns, float })

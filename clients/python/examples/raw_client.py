@@ -1,5 +1,6 @@
-"""A client without the package: eclipse-zenoh, protobuf and the .proto files. `python raw_client.py ENDPOINT INSTANCE PROTO`"""
+"""Eclipse-zenoh, protobuf and the .proto files are enough: `python raw_client.py ENDPOINT INSTANCE PROTO_FOLDER`."""
 
+import itertools
 import struct
 import sys
 import tempfile
@@ -19,26 +20,23 @@ config.insert_json5("mode", '"client"')
 config.insert_json5("connect/endpoints", f'["{endpoint}"]')
 config.insert_json5("scouting/multicast/enabled", "false")
 session = zenoh.open(config)
-requests = 0
+request_ids = itertools.count(1)
 
 
 def ask(key, payload=None):
     for reply in session.get(f"sturz/v1/{instance}/{key}", payload=payload, timeout=60.0):
         if reply.ok is None:
-            raise SystemExit(data_error(reply.err.payload.to_bytes()))
+            raise SystemExit(text_of(command_pb2.Error.FromString(reply.err.payload.to_bytes())))
         return reply.ok.payload.to_bytes()
     raise SystemExit(f"{key}: no answer")
 
 
-def data_error(payload):
-    error = command_pb2.Error.FromString(payload)
+def text_of(error):
     return f"{command_pb2.ErrorCode.Name(error.code)} {error.path}: {error.message}"
 
 
 def command(verb, request):
-    global requests
-    requests += 1
-    request.header.client_id, request.header.request_id = "raw", str(requests)
+    request.header.client_id, request.header.request_id = "raw", str(next(request_ids))
     return command_pb2.Outcome.FromString(ask(f"cmd/{verb}", request.SerializeToString()))
 
 
@@ -55,7 +53,8 @@ window.outputs.columns.append("velocities")
 done = command("advance", window).advanced
 print(f"at {done.time_reached_s} s after {done.steps_done} steps: {[column.name for column in done.frame.columns]}")
 frame = data_pb2.Frame.FromString(ask("state/latest?columns=positions"))
-for row in struct.iter_unpack("<3d", frame.columns[1].data):
+positions = next(column for column in frame.columns if column.name == "positions")
+for row in struct.iter_unpack("<3d", positions.data):
     print("position", row)
-print("refused:", data_error(command("remove", command_pb2.RemoveRequest(ids=[99])).error.SerializeToString()))
+print("refused:", text_of(command("remove", command_pb2.RemoveRequest(ids=[99])).error))
 session.close()

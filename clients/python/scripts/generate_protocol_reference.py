@@ -1,6 +1,7 @@
-"""Writes the reference of messages in docs/protocol.md from the schema: `python scripts/generate_protocol_reference.py`.
+"""Writes the reference of messages in docs/protocol.md from the schema.
 
-What stands between the two marks of the page is this script's; a test compares.
+`python scripts/generate_protocol_reference.py`. What stands between the two marks of the page is this script's; a test
+compares.
 """
 
 import re

@@ -46,7 +46,7 @@ def test_columns_are_chosen_and_may_be_narrow(space: sturz.Simulation) -> None:
     assert contacts.points_m.dtype == np.float32
     with pytest.raises(sturz.ColumnMissing, match="no column 'normals' was asked for"):
         _ = contacts.normals
-    with pytest.raises(sturz.CommandError, match="'colour'|\"colour\""):
+    with pytest.raises(sturz.CommandError, match="colour"):
         space.contacts(columns=["colour"])
     assert "forces" not in space.state().columns
     assert {"forces", "torques"} <= space.state(columns=["all"]).columns.keys()

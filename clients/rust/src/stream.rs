@@ -214,7 +214,8 @@ mod tests {
 
     #[test]
     fn losses_are_counted_where_they_happen() {
-        let inlet = Inlet { frames: Queue::new(2), sequence: Mutex::default(), is_counted: true };
+        let inlet =
+            Inlet { frames: Queue::new(2), sequence: Mutex::default(), is_counted: true, missed: AtomicU64::new(0) };
         [0, 1, 4, 5].into_iter().for_each(|seq| inlet.take(frame(seq)));
         inlet.take(b"no message".to_vec());
         let sequence = inlet.sequence();

@@ -216,8 +216,8 @@ class Bus:
     ) -> Callable[[], None]:
         """Calls `receive` with every payload until the returned function is called.
 
-        With `missed`, the recent past comes first, lost payloads are asked for again, and `missed` is told how many could
-        not be had.
+        With `missed`, the recent past comes first, lost payloads are asked for again, and `missed` is told how many
+        could not be had.
         """
         expression = f"{self.root}/{key}"
 

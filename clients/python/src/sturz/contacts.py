@@ -40,7 +40,8 @@ class Contacts:
 
     Side a is the particle with the lower id, side b the other particle or a boundary. On a acts
     ``tangential_forces_n - normal_forces_n[:, None] * normals``, and about its centre that force at `points_m` and
-    `moments_n_m`; on b the opposite of all. Arrays are read-only. Columns that were not asked for raise `ColumnMissing`.
+    `moments_n_m`; on b the opposite of all. Arrays are read-only. Columns that were not asked for raise
+    `ColumnMissing`.
 
     Attributes:
         header: step, time, run.

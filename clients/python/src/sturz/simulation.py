@@ -760,7 +760,9 @@ class Simulation:
         every_wall_s: float | None = None,
         every_sim_s: float | None = None,
     ) -> None:
-        """Sets columns, float type and pace of a stream, for all who subscribe to it; what is absent is as in the scene.
+        """Sets columns, float type and pace of a stream, for all who subscribe to it.
+
+        What is absent is as in the scene.
 
         Args:
             stream: ``state``, ``contacts``, ``report`` or ``field/<name>``.

@@ -184,12 +184,12 @@ class State:
 
     @property
     def forces_n(self) -> Floats:
-        """Sum over the contacts as they acted in the last step, (n, 3), N: without gravity and loads. Only on request."""
+        """Sum over the contacts as they acted in the last step, (n, 3), N, without gravity and loads. On request."""
         return self._column("forces")
 
     @property
     def torques_n_m(self) -> Floats:
-        """Of the contacts about the centre of mass, world axes, (n, 3), N m. Only on request."""
+        """Of the contacts about the centre of mass, world axes, (n, 3), N m. On request."""
         return self._column("torques")
 
     @property
