@@ -13,6 +13,8 @@
 //! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
 //! | [`mesh_file`] | OBJ and STL files, and the convex parts that they describe |
 //! | [`fields`] | coarse graining |
+//! | [`snapshot`], [`contact_network`], [`columns`] | the state and who touches whom, copied; what their columns are called |
+//! | [`guards`] | what there is to warn of |
 //! | [`checkpoint`] | saving a run and going on from there, bitwise |
 //!
 //! ```

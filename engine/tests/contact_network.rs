@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::{drum, engine, header, particle, plane, shape, steps};
-use sturz_engine::{ContactKind, ContactNetwork, ContactRow, Engine, Snapshot};
+use sturz_engine::{Command, ContactKind, ContactNetwork, ContactRow, Engine, LoadDescription, Snapshot};
 
 const PAIR: &str = "stiffness_n_per_m = 1e3\nrestitution = 0.7\nfriction = 0.4";
 
@@ -70,6 +70,34 @@ fn a_cube_on_a_plane_is_one_row_of_four_points() {
     assert!((row.normal_force_n - 1e-2).abs() < 1e-14 && near(row.tangential_force_n, [0.0; 3], 1e-17), "{row:?}");
     assert!(near(row.point_m, [0.0, 0.0, -0.5e-5], 1e-17) && near(row.moment_n_m, [0.0; 3], 1e-17), "{row:?}");
     assert!(near(snapshot(&engine).boundaries[1].force_n, [0.0, 0.0, -1e-2], 1e-14));
+}
+
+/// What acts from outside is no contact; local damping is told with them.
+#[test]
+fn gravity_and_loads_are_left_out_of_the_forces() {
+    let bead = |integrator: &str| {
+        let text = header([0.0, 0.0, -9.81], 1e-5, "", PAIR)
+            + integrator
+            + &shape("kind = \"sphere\", radius_m = 1e-3")
+            + &particle([0.0; 3], [0.0, 0.0, -0.1], [0.0; 3]);
+        let mut engine = engine(&text);
+        let loads = LoadDescription {
+            ids: vec![0],
+            force_n: vec![[1e-3, 0.0, 0.0]],
+            torque_n_m: vec![[0.0, 1e-7, 0.0]],
+            ..LoadDescription::default()
+        };
+        engine.apply(&Command::SetLoads(loads)).unwrap();
+        steps(&mut engine, 3);
+        snapshot(&engine)
+    };
+    let free = bead("");
+    assert!(free.velocities[0][0] > 0.0 && free.angular_velocities[0][1] > 0.0);
+    assert_eq!((&free.forces[..], &free.torques[..]), (&[[0.0; 3]][..], &[[0.0; 3]][..]));
+    // local damping takes a tenth of the weight, against the motion
+    let weight = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-9 * 9.81;
+    let damped = bead("[integrator]\nlocal_damping = 0.1\n");
+    assert!((damped.forces[0][2] - 0.1 * weight).abs() < 1e-12 * weight, "{:?}", damped.forces);
 }
 
 /// Which particle or boundary.
@@ -187,7 +215,7 @@ fn rows_add_up_to_what_particles_and_boundaries_feel() {
             seen = [seen[0].max(found[0]), seen[1].max(found[1])];
         }
         assert!(seen[0] > 4 && seen[1] > 4, "{label}: {seen:?}");
-        engine.apply(&sturz_engine::Command::Remove(vec![3, 17])).unwrap();
+        engine.apply(&Command::Remove(vec![3, 17])).unwrap();
         check_sums(&engine, label);
     }
 }

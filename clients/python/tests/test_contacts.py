@@ -37,6 +37,8 @@ def test_two_beads_press_by_stiffness_times_overlap(space: sturz.Simulation) -> 
     assert not state.torques_n_m.any()
     assert contacts.rows_of(1).tolist() == [0]
     assert contacts.rows_of(2).tolist() == []
+    assert contacts.rows_of(1, 0).tolist() == [0]
+    assert contacts.rows_of(1, 2).tolist() == []
 
 
 def test_columns_are_chosen_and_may_be_narrow(space: sturz.Simulation) -> None:

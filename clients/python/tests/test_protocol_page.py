@@ -82,6 +82,48 @@ def test_every_command_column_and_error_is_on_the_page(space: sturz.Simulation) 
         assert code is sturz.ErrorCode.UNSPECIFIED or f"`{code.name}`" in errors, code
 
 
+def flags() -> dict[str, tuple[bool, bool]]:
+    """By command: whether the page says that it may wait for a time, and that it is the lease holder's alone."""
+    rows = re.findall(r"^\| `(\w+)` \| `\w+` \| `\w+` \|(.*)\|(.*)\|$", PAGE, flags=re.M)
+    return {command: (wait.strip() == "yes", lease.strip() == "yes") for command, wait, lease in rows}
+
+
+def test_what_may_wait_is_what_the_daemon_lets_wait(space: sturz.Simulation) -> None:
+    told = flags()
+    assert len(told) == len(space.features().commands)
+    for command, (may_wait, _) in told.items():
+        request = getattr(command_pb2, "".join(word.capitalize() for word in command.split("_")) + "Request")()
+        request.header.at_time_s = 0.0  # now: whatever may wait is done, or refused for another reason
+        try:
+            space.command(command, request, timeout_s=20.0)
+            path = ""
+        except sturz.CommandError as error:
+            path = error.path
+        assert may_wait == (path != "header.at_time_s"), command
+
+
+def test_what_the_lease_guards_is_what_the_page_says(space: sturz.Simulation) -> None:
+    space.checkpoint(token="a")
+    bodies = {
+        "step": command_pb2.StepRequest(steps=1),
+        "advance": command_pb2.AdvanceRequest(from_step=0, window_s=1e-5),
+        "set_loads": command_pb2.SetLoadsRequest(loads=command_pb2.Loads()),
+        "restore": command_pb2.RestoreRequest(token="a"),
+    }
+    with sturz.connect(space.instance, endpoint=space.endpoint) as holder:
+        holder.acquire_lease()
+        for command, (_, is_guarded) in flags().items():
+            if command in ("acquire_lease", "release_lease", "stop"):
+                continue
+            name = "".join(word.capitalize() for word in command.split("_")) + "Request"
+            try:
+                space.command(command, bodies.get(command, getattr(command_pb2, name)()), timeout_s=20.0)
+                code = None
+            except sturz.CommandError as error:
+                code = error.code
+            assert is_guarded == (code is sturz.ErrorCode.LEASE), command
+
+
 def test_the_page_shows_the_client_and_it_has_at_most_60_lines() -> None:
     source = RAW_CLIENT.read_text()
     assert between("<!-- raw_client.py: begin -->", "<!-- raw_client.py: end -->") == f"\n\n```python\n{source}```\n\n"

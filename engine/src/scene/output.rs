@@ -165,3 +165,49 @@ impl OutputSection {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, SceneDescription};
+
+    fn scene(output: &str) -> Result<SceneDescription, String> {
+        let text = format!("[scene]\nname = \"a\"\ntime_step_s = 1e-5\n[output]\n{output}");
+        let description = SceneDescription::from_toml(&text).map_err(|error| error.to_string())?;
+        Scene::validate(description.clone()).map_err(|error| error.to_string())?;
+        Ok(description)
+    }
+
+    #[test]
+    fn streams_keep_the_pace_that_is_given() {
+        let output = scene("state_every_steps = 7\ncontacts_every_sim_s = 0.5\nreport_rate_hz = 4.0").unwrap().output;
+        assert_eq!(output.state_pace(), Pace::Steps { every: 7 });
+        assert_eq!(output.contacts_pace(), Pace::Simulated { every_s: 0.5 });
+        assert_eq!(output.field_pace(), Pace::Wall { every_s: 0.2 });
+        assert_eq!(output.report_pace(), Pace::Wall { every_s: 0.25 });
+    }
+
+    #[test]
+    fn columns_go_by_name_and_come_back() {
+        let text = "state_columns = [\"forces\", \"positions\"]\ncontacts_float_type = \"f32\"";
+        let description = scene(text).unwrap();
+        let columns = vec![ParticleColumn::Forces, ParticleColumn::Positions];
+        assert_eq!(description.output.state_columns, Some(columns));
+        assert_eq!(description.output.contacts_float_type, FloatType::F32);
+        assert_eq!(SceneDescription::from_toml(&description.to_toml().unwrap()).unwrap(), description);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_its_key() {
+        for (output, wanted) in [
+            ("state_rate_hz = 0.0", "output.state_rate_hz"),
+            ("field_every_steps = 0", "output.field_every_steps"),
+            ("report_every_sim_s = -1.0", "output.report_every_sim_s"),
+            ("contacts_every_steps = 1\ncontacts_every_sim_s = 1.0", "output.contacts_every_steps: give one of them"),
+            ("state_columns = [\"colour\"]", "colour"),
+        ] {
+            let refused = scene(output).unwrap_err();
+            assert!(refused.contains(wanted), "{refused}");
+        }
+    }
+}

@@ -145,6 +145,7 @@ class Contacts:
         forces: Floats = self.tangential_forces_n - self.normal_forces_n[:, None] * self.normals
         return forces
 
-    def rows_of(self, particle_id: int) -> NDArray[np.intp]:
-        """Indices of the rows that a particle is a side of."""
-        return np.flatnonzero((self.ids == np.uint64(particle_id)).any(axis=1))
+    def rows_of(self, *particle_ids: int) -> NDArray[np.intp]:
+        """Indices of the rows that a particle is a side of; of two particles, those of the pair."""
+        sides = [(self.ids == np.uint64(each)).any(axis=1) for each in particle_ids]
+        return np.flatnonzero(np.logical_and.reduce(sides))
