@@ -82,6 +82,17 @@ def test_every_command_column_and_error_is_on_the_page(space: sturz.Simulation) 
         assert code is sturz.ErrorCode.UNSPECIFIED or f"`{code.name}`" in errors, code
 
 
+def test_every_kind_of_event_is_on_the_page_and_in_the_client() -> None:
+    events = between("## Events", "## Quality of service")
+    for name, number in status_pb2.EventKind.items():
+        plain = name.removeprefix("EVENT_KIND_")
+        assert sturz.EventKind(number).name == plain
+        assert number == 0 or f"`{plain}`" in events, plain
+    for python, schema in ((sturz.WarningKind, status_pb2.WarningKind), (sturz.LeaseChange, status_pb2.LeaseChange)):
+        assert [each.value for each in python] == schema.values()
+    assert [each.value for each in sturz.ContactKind] == data_pb2.ContactKind.values()
+
+
 def flags() -> dict[str, tuple[bool, bool]]:
     """By command: whether the page says that it may wait for a time, and that it is the lease holder's alone."""
     rows = re.findall(r"^\| `(\w+)` \| `\w+` \| `\w+` \|(.*)\|(.*)\|$", PAGE, flags=re.M)

@@ -31,6 +31,7 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_CHECKPOINT: _ClassVar[EventKind]
     EVENT_KIND_RESTORED: _ClassVar[EventKind]
     EVENT_KIND_LEASE: _ClassVar[EventKind]
+    EVENT_KIND_JOURNAL: _ClassVar[EventKind]
     EVENT_KIND_WARNING: _ClassVar[EventKind]
     EVENT_KIND_OUTPUT: _ClassVar[EventKind]
 
@@ -74,6 +75,7 @@ EVENT_KIND_FIELD: EventKind
 EVENT_KIND_CHECKPOINT: EventKind
 EVENT_KIND_RESTORED: EventKind
 EVENT_KIND_LEASE: EventKind
+EVENT_KIND_JOURNAL: EventKind
 EVENT_KIND_WARNING: EventKind
 EVENT_KIND_OUTPUT: EventKind
 WARNING_KIND_UNSPECIFIED: WarningKind
