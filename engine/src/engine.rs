@@ -50,12 +50,12 @@ pub struct Engine {
 }
 
 /// Overlap over the smaller bounding radius that counts as large.
-const LARGE_OVERLAP: f64 = 0.1;
+pub(crate) const LARGE_OVERLAP: f64 = 0.1;
 /// Generalized overlap over the mean rounding radius that counts as deep, and at which the law ends.
-const DEEP_ROUNDING: f64 = 1.5;
+pub(crate) const DEEP_ROUNDING: f64 = 1.5;
 const END_OF_ROUNDING: f64 = 2.0;
 /// Displacement in one step over the bounding radius that counts as fast.
-const FAST: f64 = 0.1;
+pub(crate) const FAST: f64 = 0.1;
 /// Path in one step over the smallest half-thickness above which a contact could be missed: two particles that both keep
 /// to it are not past each other's middle when they are first seen.
 const MOST_PER_STEP: f64 = 1.0;

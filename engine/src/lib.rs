@@ -13,6 +13,8 @@
 //! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
 //! | [`mesh_file`] | OBJ and STL files, and the convex parts that they describe |
 //! | [`fields`] | coarse graining |
+//! | [`snapshot`], [`contact_network`], [`columns`] | the state and who touches whom, copied; what their columns are called |
+//! | [`guards`] | what there is to warn of |
 //! | [`checkpoint`] | saving a run and going on from there, bitwise |
 //!
 //! ```
@@ -55,13 +57,16 @@ pub mod broad;
 pub mod cell;
 pub mod checkpoint;
 pub mod clock;
+pub mod columns;
 pub mod command;
 pub mod contact;
+pub mod contact_network;
 mod energy;
 pub mod engine;
 pub mod error;
 pub mod fields;
 mod gather;
+pub mod guards;
 pub mod insertion;
 pub mod integrate;
 mod loads;
@@ -84,9 +89,12 @@ mod view;
 
 pub use checkpoint::{CheckpointError, CheckpointSummary};
 pub use clock::Clock;
+pub use columns::{ContactColumn, FloatType, ParticleColumn};
 pub use command::{Command, Effect};
+pub use contact_network::{ContactKind, ContactNetwork, ContactRow};
 pub use engine::Engine;
 pub use error::{InvalidInput, InvalidScene, StepError};
+pub use guards::{Guard, GuardReading};
 pub use loads::LoadDescription;
 pub use report::{EnergyBalance, Report, WarningCounts};
 pub use snapshot::{BoundaryState, Snapshot};

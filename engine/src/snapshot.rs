@@ -27,6 +27,11 @@ pub struct Snapshot {
     pub velocities: Vec<[f64; 3]>,
     /// Angular velocity in world axes, rad/s.
     pub angular_velocities: Vec<[f64; 3]>,
+    /// Sum of the contact forces, N, with local damping where the scene has it; without gravity and loads. Empty unless
+    /// [`Engine::snapshot_forces`](crate::Engine::snapshot_forces) was called.
+    pub forces: Vec<[f64; 3]>,
+    /// Sum of the contact torques about the centre of mass in world axes, N m, with local damping; as `forces`.
+    pub torques: Vec<[f64; 3]>,
     /// Pose of each boundary now, in the order of the scene.
     pub boundaries: Vec<BoundaryState>,
 }

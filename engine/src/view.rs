@@ -7,14 +7,12 @@ use crate::contact::SpringRecord;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::fields::{self, FieldDefinition, FieldFrame, FieldSample};
-use crate::integrate::present_critical_step;
 use crate::math::Vec3;
 use crate::report::{EnergyBalance, Report};
-use crate::scene::NormalLaw;
 use crate::snapshot::{BoundaryState, Snapshot};
 
 impl Engine {
-    /// Copies the state, in the order of ids, into `snapshot`, whose buffers are reused.
+    /// Copies the state, in the order of ids, into `snapshot`, whose buffers are reused; forces and torques are left out.
     pub fn snapshot(&self, snapshot: &mut Snapshot) {
         let particles = &self.particles;
         let rows = particles.rows_by_id();
@@ -37,7 +35,18 @@ impl Engine {
         );
         fill(&mut snapshot.velocities, rows().map(|row| particles.velocity[row].into()));
         fill(&mut snapshot.angular_velocities, rows().map(|row| particles.angular_velocity(row).into()));
+        snapshot.forces.clear();
+        snapshot.torques.clear();
         snapshot.boundaries = self.boundary_states();
+    }
+
+    /// Adds forces and torques to a snapshot of the same state.
+    pub fn snapshot_forces(&self, snapshot: &mut Snapshot) {
+        let particles = &self.particles;
+        let rows = particles.rows_by_id();
+        let rows = || rows.iter().map(|&row| row as usize);
+        fill(&mut snapshot.forces, rows().map(|row| particles.force[row].into()));
+        fill(&mut snapshot.torques, rows().map(|row| particles.torque[row].into()));
     }
 
     fn boundary_states(&self) -> Vec<BoundaryState> {
@@ -105,13 +114,6 @@ impl Engine {
             present_critical_time_step_s: self.present_critical_step(),
             contact_duration_s: bounds.map_or(f64::INFINITY, |b| b.duration_s),
             warnings: self.warnings,
-        }
-    }
-
-    fn present_critical_step(&self) -> f64 {
-        match self.scene.description().normal_law() {
-            NormalLaw::Hertz => f64::INFINITY,
-            _ => present_critical_step(&self.particles, &self.contacts, &self.scene),
         }
     }
 

@@ -6,9 +6,11 @@
 //! | `info`, `features`, `plan`, `report/latest` | query | `Info`, `Features`, `Plan`, `Report` |
 //! | `shapes/<epoch>`, `shapes/latest` | query | `Shapes` |
 //! | `state/latest?columns=a\|b;float=f32` | query | `Frame` |
+//! | `contacts/latest?columns=a\|b;float=f32` | query | `ContactFrame` |
 //! | `field/<name>/latest` | query | `FieldFrame` |
-//! | `state/frame`, `field/<name>`, `report` | publication | `Frame`, `FieldFrame`, `Report` |
-//! | `event/{command, run, particles, field, checkpoint}` | advanced publication | `Event` |
+//! | `state/frame`, `contacts/frame` | publication | `Frame`, `ContactFrame` |
+//! | `field/<name>`, `report` | publication | `FieldFrame`, `Report` |
+//! | `event/{command, run, particles, field, output, warning, checkpoint}` | advanced publication | `Event` |
 //! | `alive`, `client/<client id>` | liveliness tokens of the daemon and of clients | |
 
 use thiserror::Error;
@@ -63,6 +65,8 @@ pub enum Verb {
     DefineField,
     /// Forgets a field.
     DropField,
+    /// Sets columns, type and pace of a stream.
+    DefineOutput,
     /// Saves the state.
     Checkpoint,
     /// Goes back to a saved state.
@@ -81,7 +85,7 @@ pub enum Verb {
 
 impl Verb {
     /// All of them.
-    pub const ALL: [Verb; 18] = [
+    pub const ALL: [Verb; 19] = [
         Verb::Insert,
         Verb::Remove,
         Verb::SetGravity,
@@ -93,6 +97,7 @@ impl Verb {
         Verb::Advance,
         Verb::DefineField,
         Verb::DropField,
+        Verb::DefineOutput,
         Verb::Checkpoint,
         Verb::Restore,
         Verb::ListCheckpoints,
@@ -116,6 +121,7 @@ impl Verb {
             Verb::Advance => "advance",
             Verb::DefineField => "define_field",
             Verb::DropField => "drop_field",
+            Verb::DefineOutput => "define_output",
             Verb::Checkpoint => "checkpoint",
             Verb::Restore => "restore",
             Verb::ListCheckpoints => "list_checkpoints",
@@ -193,6 +199,16 @@ impl Keys {
     /// Publication of `Frame`.
     pub fn state_frame(&self) -> String {
         self.key("state/frame")
+    }
+
+    /// Query for the `ContactFrame` of now.
+    pub fn contacts_latest(&self) -> String {
+        self.key("contacts/latest")
+    }
+
+    /// Publication of `ContactFrame`.
+    pub fn contacts_frame(&self) -> String {
+        self.key("contacts/frame")
     }
 
     /// Publication of a field's `FieldFrame`.

@@ -5,8 +5,9 @@ use proptest::prelude::*;
 use prost::Message;
 use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
 use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange};
+use sturz_engine::{FloatType, ParticleColumn};
 use sturz_engine::{InvalidInput, Snapshot};
-use sturz_protocol::convert::{self, FloatType, ParticleColumn};
+use sturz_protocol::convert;
 use sturz_protocol::{Request, columns, keys::Verb, v1};
 
 fn number() -> impl Strategy<Value = f64> {
@@ -184,7 +185,7 @@ proptest! {
             angular_velocities: rows.iter().map(|row| row.1).collect(),
             ..Default::default()
         };
-        let frame = convert::frame_to_wire(&snapshot, &ParticleColumn::all(), FloatType::F64, Default::default());
+        let frame = convert::frame_to_wire(&snapshot, &ParticleColumn::usual(), FloatType::F64, Default::default());
         let frame = v1::Frame::decode(frame.encode_to_vec().as_slice()).unwrap();
         let header = frame.header.unwrap();
         prop_assert_eq!((header.step, header.sim_time_s, header.topology_epoch), (7, 0.125, 3));

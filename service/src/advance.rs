@@ -45,6 +45,7 @@ impl Window {
                 stop_reason,
                 frame: None,
                 fields: Vec::new(),
+                contacts: None,
             })
         } else {
             Wire::Stepped(v1::Stepped {

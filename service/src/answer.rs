@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sturz_engine::Snapshot;
+use sturz_engine::{ContactNetwork, ParticleColumn, Snapshot};
 use sturz_protocol::convert::field_definition_to_wire;
 use sturz_protocol::v1;
 use tokio::sync::oneshot;
@@ -17,7 +17,8 @@ impl Runner<'_> {
         let answer = match question {
             Read::Status => ReadAnswer::Status(Box::new(self.status())),
             Read::Report => ReadAnswer::Report(Box::new(self.report())),
-            Read::State => ReadAnswer::State(Box::new(self.snapshot())),
+            Read::State { forces } => ReadAnswer::State(Box::new(self.snapshot(forces))),
+            Read::Contacts => ReadAnswer::Contacts(Box::new(self.contacts())),
             Read::Field(name) => match self.outbox.field(&name) {
                 Some(definition) => ReadAnswer::Field(Box::new(self.engine.compute_field(definition))),
                 None => {
@@ -30,18 +31,29 @@ impl Runner<'_> {
         drop(reply.send(answer));
     }
 
-    fn snapshot(&self) -> Snapshot {
+    fn snapshot(&self, forces: bool) -> Snapshot {
         let mut snapshot = Snapshot::default();
         self.engine.snapshot(&mut snapshot);
+        if forces {
+            self.engine.snapshot_forces(&mut snapshot);
+        }
         snapshot
     }
 
-    /// State and fields of now; nothing when nothing was asked for.
+    fn contacts(&self) -> ContactNetwork {
+        let mut network = ContactNetwork::default();
+        self.engine.contact_network(&mut network);
+        network
+    }
+
+    /// State, fields and contacts of now; nothing when nothing was asked for.
     pub(crate) fn capture(&mut self, outputs: &Outputs) -> Option<Arc<Capture>> {
-        if outputs.columns.is_none() && outputs.fields.is_empty() {
+        if outputs.columns.is_none() && outputs.fields.is_empty() && !outputs.contacts {
             return None;
         }
-        let snapshot = outputs.columns.is_some().then(|| self.snapshot());
+        let has_forces = |columns: &Vec<ParticleColumn>| columns.iter().any(|column| column.is_force());
+        let snapshot = outputs.columns.as_ref().map(|columns| self.snapshot(has_forces(columns)));
+        let contacts = outputs.contacts.then(|| self.contacts());
         let mut fields = Vec::with_capacity(outputs.fields.len());
         for name in &outputs.fields {
             // One that was dropped during the window is left out.
@@ -49,7 +61,7 @@ impl Runner<'_> {
                 fields.push(self.engine.compute_field(definition));
             }
         }
-        Some(Arc::new(Capture { outputs: outputs.clone(), snapshot, fields }))
+        Some(Arc::new(Capture { outputs: outputs.clone(), snapshot, fields, contacts }))
     }
 
     fn run_state(&self) -> v1::RunState {
@@ -77,9 +89,10 @@ impl Runner<'_> {
             particles: self.engine.len() as u64,
             topology_epoch: self.engine.topology_epoch(),
             state_hash: self.engine.state_hash(),
-            gravity_m_per_s2: self.snapshot().gravity_m_per_s2,
+            gravity_m_per_s2: self.snapshot(false).gravity_m_per_s2,
             fields: self.outbox.fields.iter().map(|f| field_definition_to_wire(&f.definition)).collect(),
             lease_holder: self.lease_holder(),
+            outputs: self.outbox.outputs(),
         }
     }
 

@@ -60,9 +60,9 @@ impl Runner<'_> {
         if let Some(autosave) = &mut self.autosave {
             autosave.is_writing = false;
         }
-        if let Err(error) = outcome {
-            tracing::error!("{}", error.message);
-            return;
+        match outcome {
+            Ok(checkpoint) => self.announce_checkpoint("a checkpoint was written", checkpoint),
+            Err(error) => return tracing::error!("{}", error.message),
         }
         let mut saved: Vec<v1::Checkpoint> = self.checkpoints.list();
         saved.retain(|checkpoint| checkpoint.on_disk && is_auto(&checkpoint.token));

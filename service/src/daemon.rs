@@ -14,6 +14,7 @@ use sturz_protocol::keys::Keys;
 use thiserror::Error;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::{Semaphore, mpsc, oneshot};
+use tokio::task::AbortHandle;
 use zenoh::Session;
 
 use crate::archive::Archive;
@@ -144,6 +145,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     });
 
     let state = publish::stream(&session, Arc::clone(&io), keys.state_frame(), outbox.state.slot()).await?;
+    let contacts = publish::stream(&session, Arc::clone(&io), keys.contacts_frame(), outbox.contacts.slot()).await?;
     let report = publish::stream(&session, Arc::clone(&io), keys.report(), outbox.report.slot()).await?;
     let (more_events, last) = oneshot::channel::<()>();
     let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard, last);
@@ -183,8 +185,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let all = io.limits.open_requests as u32;
     drop(tokio::time::timeout(LAST_REPLIES, io.open.acquire_many(all)).await);
     drop((intake, watch));
-    state.abort();
-    report.abort();
+    [state, contacts, report].iter().for_each(AbortHandle::abort);
     drop(more_events);
     if tokio::time::timeout(LAST_REPLIES, publishing).await.is_err() {
         tracing::debug!("the last events were not all sent");

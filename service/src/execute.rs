@@ -1,11 +1,12 @@
 //! What each order does, on the physics thread, between two steps.
 
 use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, Scene};
-use sturz_engine::{Command, Effect, InvalidInput, LoadDescription};
+use sturz_engine::{Command, InvalidInput, LoadDescription};
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::advance::{Window, check_start};
+use crate::events::particles_event;
 use crate::mailbox::{Answer, ReplyTo};
 use crate::memory::Admission;
 use crate::order::{Body, Order, Outputs, RequestKey, error, invalid};
@@ -86,6 +87,7 @@ impl Runner<'_> {
             Body::Resume => self.resume(),
             Body::DefineField(definition) => self.define_field(definition),
             Body::DropField { name } => self.drop_field(&name),
+            Body::DefineOutput(output) => self.define_output(output),
             Body::Checkpoint { token, on_disk } => return self.checkpoint(token, on_disk, ticket),
             Body::Restore { token } => self.restore(&token),
             Body::ListCheckpoints => Ok(self.list_checkpoints()),
@@ -121,16 +123,10 @@ impl Runner<'_> {
         }
         let effect = self.engine.apply(command).map_err(|input| refused(command, input))?;
         self.revision += 1;
-        match effect {
-            Effect::Inserted { count, .. } => self.announce_particles(format!("{count} particles were inserted")),
-            Effect::Removed { count } => self.announce_particles(format!("{count} particles were removed")),
-            Effect::GravitySet | Effect::MotionSet | Effect::LoadsSet => {}
+        if let Some(event) = particles_event(command, &effect) {
+            self.announce_event(event);
         }
         Ok(effect_to_wire(&effect))
-    }
-
-    fn announce_particles(&self, message: String) {
-        self.announce(v1::EventKind::Particles, v1::Severity::Info, &message);
     }
 
     /// Refuses an insertion that would exceed the limits, before the engine makes room for it.

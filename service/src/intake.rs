@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use anyhow::anyhow;
 use prost::Message;
-use sturz_protocol::convert::{field_to_wire, frame_to_wire};
+use sturz_engine::{ContactColumn, FloatType, ParticleColumn};
+use sturz_protocol::convert::{contacts_to_wire, field_to_wire, frame_to_wire};
 use sturz_protocol::keys::{Keys, Verb};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
@@ -14,10 +15,11 @@ use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait};
 
 use crate::config::Limits;
+use crate::events::command_event;
 use crate::mailbox::{Answer, Letter, Mailbox, Read, ReadAnswer, Undelivered};
 use crate::order::{Order, RequestKey, error};
-use crate::publish::command_event;
-use crate::reply::{Identity, choose_columns};
+use crate::output::{Chosen, choose};
+use crate::reply::Identity;
 use crate::runner::Shared;
 use crate::ticket::outcome;
 
@@ -51,6 +53,7 @@ enum Topic {
     Shapes(String),
     Report,
     State,
+    Contacts,
     Field(String),
 }
 
@@ -60,6 +63,22 @@ struct Raw {
     payload: ZBytes,
     /// `None`: it was put, and the outcome is an event.
     query: Option<Query>,
+}
+
+impl Raw {
+    /// Parameters of a query such as `state/latest?columns=a|b;float=f32`.
+    fn parameters(&self) -> [Option<&str>; 2] {
+        let parameters = self.query.as_ref().map(Query::parameters);
+        ["columns", "float"].map(|name| parameters.and_then(|all| all.get(name)))
+    }
+
+    fn state_columns(&self) -> Result<Chosen<ParticleColumn>, v1::Error> {
+        choose(self.parameters(), |names| ParticleColumn::select(names), ParticleColumn::usual)
+    }
+
+    fn contact_columns(&self) -> Result<Chosen<ContactColumn>, v1::Error> {
+        choose(self.parameters(), |names| ContactColumn::select(names), ContactColumn::usual)
+    }
 }
 
 /// The declared keys; dropping it ends the intake.
@@ -86,6 +105,7 @@ pub async fn open(session: &Session, io: Arc<Io>) -> anyhow::Result<Intake> {
         keys.plan(),
         keys.report_latest(),
         keys.state_latest(),
+        keys.contacts_latest(),
         keys.all_shapes(),
         keys.all_fields_latest(),
     ] {
@@ -120,6 +140,7 @@ fn topic(tail: Option<&str>) -> Option<Topic> {
         ["shapes", epoch] => Some(Topic::Shapes(epoch.into())),
         ["report", "latest"] => Some(Topic::Report),
         ["state", "latest"] => Some(Topic::State),
+        ["contacts", "latest"] => Some(Topic::Contacts),
         ["field", name, "latest"] => Some(Topic::Field(name.into())),
         _ => None,
     }
@@ -159,7 +180,7 @@ async fn read_all(io: Arc<Io>, mut receiver: mpsc::Receiver<Raw>) {
             Ok(permit) => io.take(raw, permit),
             Err(_) if raw.query.is_none() => {
                 let Topic::Command(name) = &raw.topic else { continue };
-                io.announce_refusal(&io.refusal(&RequestKey::default(), name, busy()));
+                io.announce_refusal(io.refusal(&RequestKey::default(), name, busy()));
             }
             Err(_) => {
                 let io = Arc::clone(&io);
@@ -194,7 +215,14 @@ impl Io {
             Topic::Shapes(_) => return self.refuse_later(raw, no_such("epoch of shapes"), permit),
             Topic::Info => Read::Status,
             Topic::Report => Read::Report,
-            Topic::State => Read::State,
+            Topic::State => match raw.state_columns() {
+                Ok(chosen) => Read::State { forces: chosen.columns.iter().any(|column| column.is_force()) },
+                Err(error) => return self.refuse_later(raw, error, permit),
+            },
+            Topic::Contacts => match raw.contact_columns() {
+                Ok(_) => Read::Contacts,
+                Err(error) => return self.refuse_later(raw, error, permit),
+            },
             Topic::Field(name) => Read::Field(name.clone()),
         };
         let (sender, receiver) = oneshot::channel();
@@ -209,23 +237,15 @@ impl Io {
         let order = match Order::read(verb, &raw.payload.to_bytes(), &self.limits) {
             Ok(order) => order,
             Err(refusal) => {
-                let bytes = self.refusal(&refusal.key, verb.name(), refusal.error);
-                return match raw.query {
-                    Some(_) => self.finish_later(raw, bytes, permit),
-                    None => self.announce_refusal(&bytes),
-                };
+                return self.refuse_command_later(raw, (&refusal.key, verb), refusal.error, permit);
             }
         };
         let key = order.key.clone();
         let (sender, receiver) = oneshot::channel();
         match self.mailbox.deliver(Letter::Command(Box::new(order), sender)) {
             Ok(()) => drop(tokio::spawn(Arc::clone(self).answer_command(raw, (key, verb), receiver, permit))),
-            Err(Undelivered::Full(_)) => {
-                self.finish_later(raw, self.refusal(&key, verb.name(), busy()), permit);
-            }
-            Err(Undelivered::Closed(_)) => {
-                self.finish_later(raw, self.refusal(&key, verb.name(), stopping()), permit);
-            }
+            Err(Undelivered::Full(_)) => self.refuse_command_later(raw, (&key, verb), busy(), permit),
+            Err(Undelivered::Closed(_)) => self.refuse_command_later(raw, (&key, verb), stopping(), permit),
         }
     }
 
@@ -240,12 +260,22 @@ impl Io {
             outcome: outcome(&key, verb, self.shared.moment(), Wire::Error(stopping())),
             capture: None,
         });
+        // What came by `put` has no other answer; a repeated one was told before.
+        let told = (raw.query.is_none() || !answer.outcome.repeated).then(|| answer.outcome.clone());
+        let io = Arc::clone(&self);
         let send = move || {
-            let bytes = self.identity.outcome(answer);
-            self.finish(raw, bytes);
-            drop(permit);
+            if raw.query.is_some() {
+                io.finish(raw, io.identity.outcome(answer));
+            }
         };
         drop(tokio::task::spawn_blocking(send).await);
+        // The permit is held meanwhile: who listens to events and does not read them cannot make outcomes pile up.
+        if let Some(outcome) = told
+            && self.events.send(command_event(&self.identity, outcome)).await.is_err()
+        {
+            tracing::debug!("an outcome came after the end of the bus");
+        }
+        drop(permit);
     }
 
     async fn answer_read(
@@ -269,30 +299,48 @@ impl Io {
         match answer {
             ReadAnswer::Status(status) => Ok(self.identity.info(&status).encode_to_vec()),
             ReadAnswer::Report(sample) => Ok(self.identity.report(&sample, 0).encode_to_vec()),
-            ReadAnswer::Field(field) => Ok(field_to_wire(&field, self.identity.blank_header(0, 0)).encode_to_vec()),
+            ReadAnswer::Field(field) => {
+                let header = self.identity.blank_header(0, 0);
+                Ok(field_to_wire(&field, &[], FloatType::F64, header).encode_to_vec())
+            }
             ReadAnswer::State(snapshot) => {
-                let parameters = raw.query.as_ref().map(Query::parameters);
-                let parameter = |name: &str| parameters.and_then(|all| all.get(name));
-                let (chosen, float) = choose_columns(parameter("columns"), parameter("float"))
-                    .map_err(|text| error(v1::ErrorCode::NotFound, "columns", text))?;
-                Ok(frame_to_wire(&snapshot, &chosen, float, self.identity.blank_header(0, 0)).encode_to_vec())
+                let Chosen { columns, float } = raw.state_columns()?;
+                Ok(frame_to_wire(&snapshot, &columns, float, self.identity.blank_header(0, 0)).encode_to_vec())
+            }
+            ReadAnswer::Contacts(network) => {
+                let Chosen { columns, float } = raw.contact_columns()?;
+                Ok(contacts_to_wire(&network, &columns, float, self.identity.blank_header(0, 0)).encode_to_vec())
             }
             ReadAnswer::Refused(error) => Err(error),
         }
     }
 
     /// An outcome that says no.
-    fn refusal(&self, key: &RequestKey, command: &str, error: v1::Error) -> Vec<u8> {
-        let mut refusal = outcome(key, Verb::Stop, self.shared.moment(), Wire::Error(error));
-        refusal.command = command.into();
-        refusal.encode_to_vec()
+    fn refusal(&self, key: &RequestKey, command: &str, error: v1::Error) -> v1::Outcome {
+        let refusal = outcome(key, Verb::Stop, self.shared.moment(), Wire::Error(error));
+        v1::Outcome { command: command.into(), ..refusal }
     }
 
-    /// Says no to a put. Never waits: in a flood of rubbish some refusals are left out rather than anybody held up.
-    fn announce_refusal(&self, outcome: &[u8]) {
+    /// Tells of a command that did not get as far as the physics. Never waits: in a flood of rubbish some refusals are left
+    /// out rather than anybody held up.
+    fn announce_refusal(&self, outcome: v1::Outcome) {
         if self.events.try_send(command_event(&self.identity, outcome)).is_err() {
             tracing::debug!("a refusal was left out: too many of them");
         }
+    }
+
+    fn refuse_command_later(
+        self: &Arc<Self>,
+        raw: Raw,
+        (key, verb): (&RequestKey, Verb),
+        error: v1::Error,
+        permit: OwnedSemaphorePermit,
+    ) {
+        let refusal = self.refusal(key, verb.name(), error);
+        if raw.query.is_some() {
+            self.finish_later(raw, refusal.encode_to_vec(), permit);
+        }
+        self.announce_refusal(refusal);
     }
 
     fn finish_later(self: &Arc<Self>, raw: Raw, bytes: Vec<u8>, permit: OwnedSemaphorePermit) {
@@ -320,8 +368,11 @@ impl Io {
         match (&raw.topic, &raw.query) {
             (Topic::Command(name), _) => {
                 let key = RequestKey::default();
-                let bytes = self.refusal(&key, name, error);
-                self.finish(raw, bytes);
+                let refusal = self.refusal(&key, name, error);
+                if raw.query.is_some() {
+                    self.finish(raw, refusal.encode_to_vec());
+                }
+                self.announce_refusal(refusal);
             }
             (_, Some(query)) => {
                 let sent = query.reply_err(error.encode_to_vec()).encoding(encoding("Error")).wait();
@@ -333,18 +384,9 @@ impl Io {
 
     /// Sends an answer. May wait for the bus, so never call it from a callback or an asynchronous task.
     fn finish(&self, raw: Raw, bytes: Vec<u8>) {
-        match raw.query {
-            Some(query) => {
-                let encoding = encoding(raw.topic.message());
-                log_unsent(query.reply(query.key_expr().clone(), bytes).encoding(encoding).wait());
-            }
-            None => {
-                let event = command_event(&self.identity, bytes.as_slice());
-                if self.events.blocking_send(event).is_err() {
-                    tracing::debug!("an outcome came after the end of the bus");
-                }
-            }
-        }
+        let Some(query) = raw.query else { return };
+        let encoding = encoding(raw.topic.message());
+        log_unsent(query.reply(query.key_expr().clone(), bytes).encoding(encoding).wait());
     }
 }
 
@@ -359,6 +401,7 @@ impl Topic {
             Topic::Shapes(_) => "Shapes",
             Topic::Report => "Report",
             Topic::State => "Frame",
+            Topic::Contacts => "ContactFrame",
             Topic::Field(_) => "FieldFrame",
         }
     }

@@ -80,7 +80,7 @@ impl Runner<'_> {
             return Err(error(v1::ErrorCode::Lease, "header.client_id", text));
         }
         if self.lease.replace(Lease { holder: client.into(), checked }).is_none() {
-            self.announce_lease("the lease was acquired", v1::Severity::Info, client);
+            self.announce_lease("the lease was acquired", v1::LeaseChange::Acquired, client);
         }
         Ok(Wire::Applied(v1::Applied {}))
     }
@@ -90,7 +90,7 @@ impl Runner<'_> {
         match &self.lease {
             Some(lease) if lease.holder == client => {
                 self.lease = None;
-                self.announce_lease("the lease was released", v1::Severity::Info, client);
+                self.announce_lease("the lease was released", v1::LeaseChange::Released, client);
                 Ok(Wire::Applied(v1::Applied {}))
             }
             Some(lease) => Err(error(v1::ErrorCode::Lease, "", format!("{:?} holds the lease", lease.holder))),
@@ -114,7 +114,7 @@ impl Runner<'_> {
     pub(crate) fn lose_lease(&mut self, holder: &str) {
         self.lease = None;
         self.post(Entry::LeaseLost(LeaseLost { holder: holder.into() }));
-        self.announce_lease("the holder of the lease was lost", v1::Severity::Warning, holder);
+        self.announce_lease("the holder of the lease was lost", v1::LeaseChange::Lost, holder);
         self.finish_window(v1::StopReason::LeaseLost);
         if self.phase == Phase::Running {
             self.set_phase(Phase::Paused, "the simulation is paused: the holder of the lease was lost");
@@ -131,8 +131,17 @@ impl Runner<'_> {
         self.lease.as_ref().map_or_else(String::new, |lease| lease.holder.clone())
     }
 
-    fn announce_lease(&self, message: &str, severity: v1::Severity, client: &str) {
-        self.announce_named(v1::EventKind::Lease, severity, message, client);
+    fn announce_lease(&self, message: &str, change: v1::LeaseChange, client: &str) {
+        let is_lost = change == v1::LeaseChange::Lost;
+        let severity = if is_lost { v1::Severity::Warning } else { v1::Severity::Info };
+        self.announce_event(v1::Event {
+            kind: v1::EventKind::Lease.into(),
+            severity: severity.into(),
+            message: message.into(),
+            name: client.into(),
+            lease: change.into(),
+            ..v1::Event::default()
+        });
     }
 }
 

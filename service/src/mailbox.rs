@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::time::Instant;
 
 use sturz_engine::fields::FieldFrame;
-use sturz_engine::{Report, Snapshot};
+use sturz_engine::{ContactNetwork, Report, Snapshot};
 use sturz_protocol::v1;
 use tokio::sync::oneshot;
 
@@ -41,6 +41,8 @@ pub struct Capture {
     pub snapshot: Option<Snapshot>,
     /// In the order asked for.
     pub fields: Vec<FieldFrame>,
+    /// Present when it was asked for.
+    pub contacts: Option<ContactNetwork>,
 }
 
 /// A question about the state.
@@ -50,7 +52,12 @@ pub enum Read {
     /// For `report/latest`.
     Report,
     /// For `state/latest`.
-    State,
+    State {
+        /// Forces and torques too.
+        forces: bool,
+    },
+    /// For `contacts/latest`.
+    Contacts,
     /// For `field/<name>/latest`.
     Field(String),
 }
@@ -63,6 +70,8 @@ pub enum ReadAnswer {
     Report(Box<ReportSample>),
     /// For `state/latest`.
     State(Box<Snapshot>),
+    /// For `contacts/latest`.
+    Contacts(Box<ContactNetwork>),
     /// For `field/<name>/latest`.
     Field(Box<FieldFrame>),
     /// There is no such thing.
@@ -94,6 +103,8 @@ pub struct Status {
     pub fields: Vec<v1::FieldDefinition>,
     /// Empty when nobody holds the lease.
     pub lease_holder: String,
+    /// What each stream holds, and when.
+    pub outputs: Vec<v1::OutputDefinition>,
 }
 
 /// A report with what only the daemon knows.

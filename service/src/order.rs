@@ -3,13 +3,14 @@
 use prost::bytes::Bytes;
 use sturz_engine::fields::FieldDefinition;
 use sturz_engine::scene::{InsertionDescription, Placement};
-use sturz_engine::{Command, InvalidInput, LoadDescription};
-use sturz_protocol::convert::{self, FloatType, ParticleColumn, Start};
+use sturz_engine::{Command, FloatType, InvalidInput, LoadDescription, ParticleColumn};
+use sturz_protocol::convert::{self, Start, float_from_wire};
 use sturz_protocol::keys::{MAX_NAME_BYTES, Verb, check_name};
 use sturz_protocol::{Request, v1};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::config::Limits;
+use crate::output::OutputOrder;
 
 /// Which request of which client.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -69,6 +70,8 @@ pub enum Body {
         /// Its name.
         name: String,
     },
+    /// Set columns, type and pace of a stream.
+    DefineOutput(OutputOrder),
     /// Save the state.
     Checkpoint {
         /// Empty: to be made.
@@ -111,6 +114,8 @@ pub struct Outputs {
     pub float: FloatType,
     /// Names of fields.
     pub fields: Vec<String>,
+    /// The contact network.
+    pub contacts: bool,
 }
 
 /// A refusal at the border: who asked, as far as that could be read, and why it was refused.
@@ -228,6 +233,7 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
         Request::Advance(request) => advance_body(request),
         Request::DefineField(request) => define_field_body(request, limits),
         Request::DropField(request) => Ok(Body::DropField { name: request.name.clone() }),
+        Request::DefineOutput(request) => OutputOrder::read(request).map(Body::DefineOutput),
         Request::Checkpoint(request) => {
             let token = if request.token.is_empty() { String::new() } else { token(&request.token)? };
             Ok(Body::Checkpoint { token, on_disk: request.on_disk })
@@ -269,12 +275,12 @@ fn outputs(wire: &v1::Outputs) -> Result<Outputs, v1::Error> {
         let text = format!("is {:?}: no such column", wire.columns[at]);
         error(v1::ErrorCode::NotFound, &format!("outputs.columns[{at}]"), text)
     })?;
-    let float = FloatType::from_wire(wire.float_type).ok_or_else(|| {
+    let float = float_from_wire(wire.float_type).ok_or_else(|| {
         let text = format!("is {}, must be F64 or F32", wire.float_type);
         error(v1::ErrorCode::InvalidInput, "outputs.float_type", text)
     })?;
     let columns = (!wire.columns.is_empty()).then_some(columns);
-    Ok(Outputs { columns, float, fields: wire.fields.clone() })
+    Ok(Outputs { columns, float, fields: wire.fields.clone(), contacts: wire.contacts })
 }
 
 fn define_field_body(request: &v1::DefineFieldRequest, limits: &Limits) -> Result<Body, v1::Error> {

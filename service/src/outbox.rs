@@ -8,12 +8,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
-use sturz_engine::Snapshot;
-use sturz_engine::fields::{FieldDefinition, FieldFrame};
+use sturz_engine::fields::{FieldDefinition, FieldFrame, FieldQuantity};
+use sturz_engine::scene::{OutputSection, Pace};
+use sturz_engine::{ContactColumn, FloatType, ParticleColumn};
 use sturz_protocol::v1;
 use tokio::sync::{Notify, mpsc};
 
 use crate::mailbox::ReportSample;
+use crate::output::{Choice, ContactSample, Sample, StateSample, contacts_choice, state_choice};
 use crate::ticket::Moment;
 
 /// An unchanging state is handed out again after this time: the bus may drop the last frame of a window, and says
@@ -22,7 +24,8 @@ const REPEAT: Duration = Duration::from_secs(1);
 
 /// One place for the latest frame of a stream, shared by the physics and the publisher.
 pub struct Slot<T> {
-    fresh: Mutex<Option<Box<T>>>,
+    /// With its number.
+    fresh: Mutex<Option<(u64, Box<T>)>>,
     spare: Mutex<Option<Box<T>>>,
     /// Somebody subscribes.
     wanted: AtomicBool,
@@ -56,8 +59,8 @@ impl<T> Slot<T> {
         self.newcomer.store(wanted, Relaxed);
     }
 
-    /// Publisher's side: the latest frame, once there is one.
-    pub async fn latest(&self) -> Box<T> {
+    /// Publisher's side: the latest frame, once there is one, and how many were offered before it.
+    pub async fn latest(&self) -> (u64, Box<T>) {
         loop {
             let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
             match fresh {
@@ -75,15 +78,15 @@ impl<T> Slot<T> {
 
     /// Physics' side: replaces what is there. `fill` gets a used buffer, if there is one.
     pub fn offer(&self, fill: impl FnOnce(Option<Box<T>>) -> Box<T>) {
-        self.offered.fetch_add(1, Relaxed);
-        let frame = fill(self.take_spare());
+        let number = self.offered.fetch_add(1, Relaxed);
+        let frame = (number, fill(self.take_spare()));
         let replaced = match self.fresh.try_lock() {
             Ok(mut fresh) => fresh.replace(frame),
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().replace(frame),
             Err(TryLockError::WouldBlock) => Some(frame),
         };
         self.filled.notify_one();
-        if let Some(unread) = replaced {
+        if let Some((_, unread)) = replaced {
             self.dropped.fetch_add(1, Relaxed);
             if let Ok(mut spare) = self.spare.try_lock() {
                 *spare = Some(unread);
@@ -106,27 +109,41 @@ impl<T> Slot<T> {
 }
 
 /// Which state of the simulation: another one after every step and every command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// Steps done.
     pub step: u64,
+    /// Simulated time, s.
+    pub time_s: f64,
     /// Commands applied and changes of mode.
     pub revision: u64,
 }
 
+/// What a multiple of a simulated time may be missed by and still counts, in multiples.
+const ROUNDING: f64 = 1e-9;
+
 /// Physics' side of a stream: a slot, and when to fill it next.
 pub struct Stream<T> {
     slot: Arc<Slot<T>>,
-    period: Duration,
+    pace: Pace,
     last: Option<(Instant, Mark)>,
 }
 
 impl<T> Stream<T> {
-    /// A stream of at most `rate_hz` frames per wall second.
-    pub fn new(rate_hz: f64) -> Self {
-        let period = if rate_hz > 0.0 { 1.0 / rate_hz } else { f64::INFINITY };
-        let period = Duration::try_from_secs_f64(period).unwrap_or(Duration::MAX);
-        Self { slot: Arc::default(), period, last: None }
+    /// A stream of this pace.
+    pub fn new(pace: Pace) -> Self {
+        Self { slot: Arc::default(), pace, last: None }
+    }
+
+    /// When it hands out frames.
+    pub fn pace(&self) -> Pace {
+        self.pace
+    }
+
+    /// Changes that. Whoever subscribes gets the state of now in any case: what it holds may have changed too.
+    pub fn set_pace(&mut self, pace: Pace) {
+        self.pace = pace;
+        self.last = None;
     }
 
     /// The publisher's side.
@@ -134,16 +151,34 @@ impl<T> Stream<T> {
         Arc::clone(&self.slot)
     }
 
-    /// When to offer the state of `mark`, if not at `now`; `None` when nobody wants it.
+    /// When to offer the state of `mark`, if not at `now`; `None` when nobody wants it, or not before there is another.
     fn due(&self, now: Instant, mark: Mark) -> Option<Instant> {
         if !self.slot.wanted.load(Relaxed) {
             return None;
         }
+        let Some((at, last)) = self.last else { return Some(now) };
         let newcomer = self.slot.newcomer.load(Relaxed);
-        match self.last {
-            Some((at, last)) if last == mark && !newcomer => at.checked_add(self.period.max(REPEAT)),
-            Some((at, _)) => at.checked_add(self.period),
-            None => Some(now),
+        if let Pace::Wall { every_s } = self.pace {
+            let period = Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX);
+            let is_known = last == mark && !newcomer;
+            return at.checked_add(if is_known { period.max(REPEAT) } else { period });
+        }
+        if newcomer || self.multiples(mark) != self.multiples(last) {
+            Some(now)
+        } else if last == mark {
+            at.checked_add(REPEAT)
+        } else {
+            None
+        }
+    }
+
+    /// Multiples of the pace up to a state.
+    fn multiples(&self, mark: Mark) -> u64 {
+        match self.pace {
+            Pace::Wall { .. } => 0,
+            Pace::Steps { every } => mark.step / every,
+            // `as` saturates
+            Pace::Simulated { every_s } => (mark.time_s / every_s + ROUNDING).floor() as u64,
         }
     }
 
@@ -162,33 +197,32 @@ impl<T> Stream<T> {
     }
 }
 
+/// A sample of a field.
+pub type FieldSample = Sample<FieldFrame, FieldQuantity>;
+
 /// A defined field and its stream.
 pub struct FieldStream {
     /// What is sampled.
     pub definition: FieldDefinition,
+    /// What of it goes out.
+    pub choice: Choice<FieldQuantity>,
     /// Where it goes.
-    pub stream: Stream<FieldFrame>,
+    pub stream: Stream<FieldSample>,
 }
 
 /// What the I/O side must hear of, in order.
 pub enum Notice {
     /// To publish.
     Event {
-        /// What happened.
-        kind: v1::EventKind,
-        /// How bad it is.
-        severity: v1::Severity,
-        /// For people.
-        message: String,
-        /// Of a field.
-        name: String,
+        /// Without a header.
+        event: Box<v1::Event>,
         /// When.
         moment: Moment,
         /// Of the state then.
         topology_epoch: u64,
     },
     /// To be published from now on.
-    FieldDefined(String, Arc<Slot<FieldFrame>>),
+    FieldDefined(String, Arc<Slot<FieldSample>>),
     /// No longer.
     FieldDropped(String),
 }
@@ -196,23 +230,33 @@ pub enum Notice {
 /// All that the physics hands out.
 pub struct Outbox {
     /// Of the state.
-    pub state: Stream<Snapshot>,
+    pub state: Stream<StateSample>,
+    /// What of it goes out.
+    pub state_choice: Choice<ParticleColumn>,
+    /// Of the contact network.
+    pub contacts: Stream<ContactSample>,
+    /// What of it goes out.
+    pub contacts_choice: Choice<ContactColumn>,
     /// Of reports.
     pub report: Stream<ReportSample>,
     /// Of fields, in the order of their definition.
     pub fields: Vec<FieldStream>,
-    field_rate_hz: f64,
+    /// What is not defined otherwise.
+    pub scene: OutputSection,
     notices: mpsc::Sender<Notice>,
 }
 
 impl Outbox {
-    /// Streams at the rates of the scene.
-    pub fn new(rates: &sturz_engine::scene::OutputSection, notices: mpsc::Sender<Notice>) -> Self {
+    /// Streams as the scene has them.
+    pub fn new(scene: &OutputSection, notices: mpsc::Sender<Notice>) -> Self {
         Self {
-            state: Stream::new(rates.state_rate_hz),
-            report: Stream::new(rates.report_rate_hz),
+            state: Stream::new(scene.state_pace()),
+            state_choice: state_choice(scene),
+            contacts: Stream::new(scene.contacts_pace()),
+            contacts_choice: contacts_choice(scene),
+            report: Stream::new(scene.report_pace()),
             fields: Vec::new(),
-            field_rate_hz: rates.field_rate_hz,
+            scene: scene.clone(),
             notices,
         }
     }
@@ -224,14 +268,15 @@ impl Outbox {
         }
     }
 
-    /// Adds a field, or replaces the one of the same name.
+    /// Adds a field, or replaces the one of the same name; all of its columns go out.
     pub fn define_field(&mut self, definition: FieldDefinition) {
+        let choice = Choice { columns: Arc::from([]), float: FloatType::F64 };
         match self.fields.iter_mut().find(|field| field.definition.name == definition.name) {
-            Some(field) => field.definition = definition,
+            Some(field) => (field.definition, field.choice) = (definition, choice),
             None => {
-                let stream = Stream::new(self.field_rate_hz);
+                let stream = Stream::new(self.scene.field_pace());
                 self.notify(Notice::FieldDefined(definition.name.clone(), stream.slot()));
-                self.fields.push(FieldStream { definition, stream });
+                self.fields.push(FieldStream { definition, choice, stream });
             }
         }
     }
@@ -255,17 +300,20 @@ impl Outbox {
     /// When the next frame of an unchanging state is due; `None` when nobody wants any.
     pub fn next_due(&self, now: Instant, mark: Mark) -> Option<Instant> {
         let fields = self.fields.iter().filter_map(|field| field.stream.due(now, mark));
-        fields.chain(self.state.due(now, mark)).chain(self.report.due(now, mark)).min()
+        let others = [self.state.due(now, mark), self.contacts.due(now, mark), self.report.due(now, mark)];
+        fields.chain(others.into_iter().flatten()).min()
     }
 
     /// Frames of each stream.
     pub fn counts(&self) -> Vec<v1::StreamCounts> {
         let fields =
             self.fields.iter().map(|field| field.stream.slot.counts(format!("field/{}", field.definition.name)));
-        [self.state.slot.counts("state".into()), self.report.slot.counts("report".into())]
-            .into_iter()
-            .chain(fields)
-            .collect()
+        let others = [
+            self.state.slot.counts("state".into()),
+            self.contacts.slot.counts("contacts".into()),
+            self.report.slot.counts("report".into()),
+        ];
+        others.into_iter().chain(fields).collect()
     }
 }
 
@@ -273,7 +321,11 @@ impl Outbox {
 mod tests {
     use super::*;
 
-    const MARK: Mark = Mark { step: 1, revision: 0 };
+    const MARK: Mark = Mark { step: 1, time_s: 0.1, revision: 0 };
+
+    fn wall(rate_hz: f64) -> Stream<u8> {
+        Stream::new(Pace::Wall { every_s: 1.0 / rate_hz })
+    }
 
     fn counts<T>(slot: &Slot<T>) -> [u64; 3] {
         let counts = slot.counts(String::new());
@@ -288,8 +340,8 @@ mod tests {
             assert!(spare.is_none());
             Box::new(vec![2])
         });
-        let latest = slot.latest().await;
-        assert_eq!(*latest, [2]);
+        let (number, latest) = slot.latest().await;
+        assert_eq!((number, &*latest), (1, &vec![2]), "the one before is missed in the numbers");
         slot.published(latest);
         slot.offer(|spare| {
             assert_eq!(spare.as_deref(), Some(&vec![2]), "the published buffer comes back");
@@ -309,7 +361,7 @@ mod tests {
 
     #[test]
     fn nothing_is_computed_for_nobody() {
-        let mut stream = Stream::<u8>::new(1e9);
+        let mut stream = wall(1e9);
         stream.offer(Instant::now(), MARK, |_| panic!("nobody listens"));
         stream.slot.set_wanted(true);
         stream.offer(Instant::now(), MARK, |_| Box::new(1));
@@ -318,7 +370,7 @@ mod tests {
 
     #[test]
     fn an_unchanged_state_is_offered_to_newcomers_and_once_a_second() {
-        let mut stream = Stream::<u8>::new(1e9);
+        let mut stream = wall(1e9);
         stream.slot.set_wanted(true);
         let later = Instant::now() + Duration::from_secs(1);
         for _ in 0..3 {
@@ -335,17 +387,60 @@ mod tests {
 
     #[test]
     fn the_rate_is_capped_and_zero_means_never_again() {
-        let mut stream = Stream::<u8>::new(1.0);
+        let mut stream = wall(1.0);
         stream.slot.set_wanted(true);
         let start = Instant::now() + Duration::from_secs(1);
         for step in 0..100 {
             let now = start + Duration::from_millis(30) * step;
-            stream.offer(now, Mark { step: u64::from(step), revision: 0 }, |_| Box::new(1));
+            stream.offer(now, Mark { step: u64::from(step), ..MARK }, |_| Box::new(1));
         }
         assert_eq!(counts(&stream.slot)[0], 3, "at 0, 1.02 and 2.04 s");
-        let mut never = Stream::<u8>::new(0.0);
+        let mut never = wall(0.0);
         never.slot.set_wanted(true);
         never.offer(start, MARK, |_| Box::new(1));
-        assert!(!never.is_due(start + Duration::from_secs(1 << 40), Mark { step: 2, revision: 0 }));
+        assert!(!never.is_due(start + Duration::from_secs(1 << 40), Mark { step: 2, ..MARK }));
+    }
+
+    /// Steps at which a stream that somebody has subscribed to hands out its frames, of the first 40.
+    fn steps_of(pace: Pace, time_step_s: f64) -> Vec<u64> {
+        let mut stream = Stream::<u8>::new(pace);
+        stream.slot.set_wanted(true);
+        let (now, mut steps) = (Instant::now(), Vec::new());
+        for step in 0..40 {
+            let mark = Mark { step, time_s: step as f64 * time_step_s, revision: 0 };
+            stream.offer(now, mark, |_| {
+                steps.push(step);
+                Box::new(1)
+            });
+        }
+        steps
+    }
+
+    #[test]
+    fn frames_come_at_multiples_of_steps_and_of_simulated_time() {
+        assert_eq!(steps_of(Pace::Steps { every: 1 }, 0.1), (0..40).collect::<Vec<_>>());
+        assert_eq!(steps_of(Pace::Steps { every: 13 }, 0.1), [0, 13, 26, 39]);
+        // at 0.3 s, which is 2.9999999999999996 times 0.1 s, and so on
+        assert_eq!(steps_of(Pace::Simulated { every_s: 0.1 }, 0.1), (0..40).collect::<Vec<_>>());
+        assert_eq!(steps_of(Pace::Simulated { every_s: 1.05 }, 0.1), [0, 11, 21, 32]);
+        assert_eq!(steps_of(Pace::Simulated { every_s: 0.03 }, 0.1), (0..40).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_newcomer_gets_the_state_of_now_between_multiples() {
+        let mut stream = Stream::<u8>::new(Pace::Steps { every: 10 });
+        stream.slot.set_wanted(true);
+        let (now, at) = (Instant::now(), |step| Mark { step, ..MARK });
+        for (step, newcomer, offered) in
+            [(0, false, 1), (3, false, 1), (4, true, 2), (5, false, 2), (10, false, 3), (9, false, 4), (9, false, 4)]
+        {
+            if newcomer {
+                stream.slot.set_wanted(true);
+            }
+            stream.offer(now, at(step), |_| Box::new(1));
+            assert_eq!(counts(&stream.slot)[0], offered, "{step}");
+        }
+        assert_eq!(stream.due(now, at(9)), Some(now + REPEAT), "the bus may have lost it");
+        assert_eq!(stream.due(now, at(8)), None, "before the next multiple there is nothing to say");
     }
 }

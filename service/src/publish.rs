@@ -7,9 +7,7 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use prost::Message;
-use sturz_engine::Snapshot;
-use sturz_engine::fields::FieldFrame;
-use sturz_protocol::convert::{FloatType, ParticleColumn, field_to_wire, frame_to_wire};
+use sturz_protocol::convert::field_to_wire;
 use sturz_protocol::v1;
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::{AbortHandle, JoinHandle, block_in_place};
@@ -18,11 +16,12 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::{Session, Wait};
 use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig, MissDetectionConfig};
 
+use crate::events;
 use crate::intake::{Io, encoding};
 use crate::mailbox::ReportSample;
-use crate::outbox::{Notice, Slot};
+use crate::outbox::{FieldSample, Notice, Slot};
+use crate::output::{Choice, ContactSample, StateSample, encode_contacts, encode_state};
 use crate::reply::Identity;
-use crate::ticket::Moment;
 
 /// How late a lost event is noticed by its subscribers.
 const EVENT_HEARTBEAT: Duration = Duration::from_millis(500);
@@ -35,18 +34,25 @@ pub trait Publish: Send + Sync + 'static {
     fn encode(&self, identity: &Identity, seq: u64) -> Vec<u8>;
 }
 
-impl Publish for Snapshot {
+impl Publish for StateSample {
     const MESSAGE: &'static str = "Frame";
     fn encode(&self, identity: &Identity, seq: u64) -> Vec<u8> {
-        let header = identity.blank_header(self.topology_epoch, seq);
-        frame_to_wire(self, &ParticleColumn::all(), FloatType::F64, header).encode_to_vec()
+        encode_state(self, identity.blank_header(0, seq)).encode_to_vec()
     }
 }
 
-impl Publish for FieldFrame {
+impl Publish for ContactSample {
+    const MESSAGE: &'static str = "ContactFrame";
+    fn encode(&self, identity: &Identity, seq: u64) -> Vec<u8> {
+        encode_contacts(self, identity.blank_header(0, seq)).encode_to_vec()
+    }
+}
+
+impl Publish for FieldSample {
     const MESSAGE: &'static str = "FieldFrame";
     fn encode(&self, identity: &Identity, seq: u64) -> Vec<u8> {
-        field_to_wire(self, identity.blank_header(0, seq)).encode_to_vec()
+        let Choice { columns, float } = &self.choice;
+        field_to_wire(&self.data, columns, *float, identity.blank_header(0, seq)).encode_to_vec()
     }
 }
 
@@ -83,8 +89,8 @@ pub async fn stream<T: Publish>(
 }
 
 async fn pump<T: Publish>(publisher: Publisher<'static>, io: Arc<Io>, slot: Arc<Slot<T>>) {
-    for seq in 0.. {
-        let frame = slot.latest().await;
+    loop {
+        let (seq, frame) = slot.latest().await;
         // Encoding takes milliseconds, and the bus may wait: not on a thread that others need.
         let sent = block_in_place(|| publisher.put(frame.encode(&io.identity, seq)).wait());
         if let Err(error) = sent {
@@ -94,51 +100,20 @@ async fn pump<T: Publish>(publisher: Publisher<'static>, io: Arc<Io>, slot: Arc<
     }
 }
 
-/// Event topics, each with a history of its own, so that many commands do not push out the start of the run.
-const TOPICS: [&str; 5] = ["command", "run", "particles", "field", "checkpoint"];
-
-fn topic(kind: v1::EventKind) -> &'static str {
-    match kind {
-        v1::EventKind::Command => "command",
-        v1::EventKind::Particles => "particles",
-        v1::EventKind::Field => "field",
-        v1::EventKind::Checkpoint | v1::EventKind::Restored => "checkpoint",
-        _ => "run",
-    }
-}
-
-/// The outcome of a command that was put.
-pub fn command_event(identity: &Identity, outcome: &[u8]) -> v1::Event {
-    let outcome = v1::Outcome::decode(outcome).unwrap_or_default();
-    let (severity, message) = match &outcome.result {
-        Some(v1::outcome::Result::Error(error)) => (v1::Severity::Warning, error.message.clone()),
-        _ => (v1::Severity::Info, format!("{} is done", outcome.command)),
-    };
-    let moment = Moment { step: outcome.step, time_s: outcome.sim_time_s };
-    v1::Event {
-        header: Some(identity.header(moment, 0, 0)),
-        kind: v1::EventKind::Command.into(),
-        severity: severity.into(),
-        message,
-        outcome: Some(outcome),
-        name: String::new(),
-    }
-}
-
 /// Publishes events, and starts and ends the streams of fields.
 pub struct Notices {
     session: Session,
     io: Arc<Io>,
-    publishers: HashMap<&'static str, AdvancedPublisher<'static>>,
+    /// By topic; with the number of messages so far.
+    publishers: HashMap<&'static str, (AdvancedPublisher<'static>, u64)>,
     fields: HashMap<String, AbortHandle>,
-    seq: u64,
 }
 
 impl Notices {
     /// Declares the event topics.
     pub async fn open(session: &Session, io: Arc<Io>) -> anyhow::Result<Self> {
         let mut publishers = HashMap::new();
-        for topic in TOPICS {
+        for topic in events::TOPICS {
             let key = io.keys.event(topic);
             let publisher = session
                 .declare_publisher(key.clone())
@@ -149,9 +124,9 @@ impl Notices {
                 .publisher_detection()
                 .await
                 .map_err(|error| anyhow!("cannot declare {key}: {error}"))?;
-            publishers.insert(topic, publisher);
+            publishers.insert(topic, (publisher, 0));
         }
-        Ok(Self { session: session.clone(), io, publishers, fields: HashMap::new(), seq: 0 })
+        Ok(Self { session: session.clone(), io, publishers, fields: HashMap::new() })
     }
 
     /// Goes on until `last` resolves, and all that was sent before has been published.
@@ -178,16 +153,9 @@ impl Notices {
 
     async fn hear(&mut self, notice: Notice) {
         match notice {
-            Notice::Event { kind, severity, message, name, moment, topology_epoch } => {
-                let header = self.io.identity.header(moment, topology_epoch, 0);
-                self.publish(v1::Event {
-                    header: Some(header),
-                    kind: kind.into(),
-                    severity: severity.into(),
-                    message,
-                    outcome: None,
-                    name,
-                });
+            Notice::Event { mut event, moment, topology_epoch } => {
+                event.header = Some(self.io.identity.header(moment, topology_epoch, 0));
+                self.publish(*event);
             }
             Notice::FieldDefined(name, slot) => {
                 let key = self.io.keys.field(&name);
@@ -205,13 +173,13 @@ impl Notices {
     }
 
     fn publish(&mut self, mut event: v1::Event) {
-        if let Some(header) = &mut event.header {
-            header.seq = self.seq;
-        }
-        self.seq += 1;
-        let Some(publisher) = self.publishers.get(topic(event.kind())) else {
+        let Some((publisher, seq)) = self.publishers.get_mut(events::topic(event.kind())) else {
             return;
         };
+        if let Some(header) = &mut event.header {
+            header.seq = *seq;
+        }
+        *seq += 1;
         if let Err(error) = block_in_place(|| publisher.put(event.encode_to_vec()).wait()) {
             tracing::warn!("cannot publish an event: {error}");
         }

@@ -4,13 +4,15 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use prost::Message;
 use sturz_engine::scene::{Scene, SceneDescription};
+use sturz_engine::{ContactColumn, FloatType, ParticleColumn};
 use sturz_protocol::SCHEMA_VERSION;
-use sturz_protocol::convert::{self, COLUMN_NAMES, FloatType, ParticleColumn};
+use sturz_protocol::convert;
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::config::Limits;
 use crate::mailbox::{Answer, ReportSample, Status};
+use crate::output::QUANTITIES;
 use crate::ticket::Moment;
 
 /// What of `info`, `features`, `plan` and `shapes` never changes, and who signs every header.
@@ -87,6 +89,7 @@ impl Identity {
             gravity_m_per_s2: Some(convert::vec3(status.gravity_m_per_s2)),
             fields: status.fields.clone(),
             lease_holder: status.lease_holder.clone(),
+            outputs: status.outputs.clone(),
             ..self.info.clone()
         }
     }
@@ -117,7 +120,11 @@ impl Identity {
             let header = || self.blank_header(epoch, 0);
             let frame = |snapshot| convert::frame_to_wire(snapshot, chosen, capture.outputs.float, header());
             advanced.frame = capture.snapshot.as_ref().map(frame);
-            advanced.fields = capture.fields.iter().map(|field| convert::field_to_wire(field, header())).collect();
+            let field = |field| convert::field_to_wire(field, &[], FloatType::F64, header());
+            advanced.fields = capture.fields.iter().map(field).collect();
+            let contacts =
+                |network| convert::contacts_to_wire(network, ContactColumn::ALL, capture.outputs.float, header());
+            advanced.contacts = capture.contacts.as_ref().map(contacts);
         }
         outcome.encode_to_vec()
     }
@@ -128,16 +135,27 @@ pub fn wall_time_ns() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64
 }
 
+/// Other things that it can do, by name.
+const CAPABILITIES: [&str; 10] = [
+    "command_put",
+    "at_time",
+    "window",
+    "event_history",
+    "checkpoint",
+    "loads",
+    "lease",
+    "journal",
+    "contacts",
+    "outputs",
+];
+
 fn features(limits: &Limits) -> v1::Features {
-    use sturz_engine::fields::FieldQuantity as Q;
-    let quantities = [Q::SolidFraction, Q::Density, Q::Momentum, Q::Velocity, Q::GranularTemperature];
     v1::Features {
         commands: Verb::ALL.map(|verb| verb.name().to_string()).to_vec(),
-        columns: COLUMN_NAMES.map(|(_, name)| name.to_string()).to_vec(),
-        field_quantities: quantities.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
-        capabilities: ["command_put", "at_time", "window", "event_history", "checkpoint", "loads", "lease", "journal"]
-            .map(String::from)
-            .to_vec(),
+        columns: ParticleColumn::ALL.iter().map(|column| column.name().to_string()).collect(),
+        contact_columns: ContactColumn::ALL.iter().map(|column| column.name().to_string()).collect(),
+        field_quantities: QUANTITIES.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
+        capabilities: CAPABILITIES.map(String::from).to_vec(),
         limits: Some(limits.to_wire()),
         scene_schema_json: scene_schema(),
     }
@@ -149,36 +167,9 @@ pub fn scene_schema() -> String {
     serde_json::to_string_pretty(&schema).unwrap_or_default()
 }
 
-/// What `state/latest?columns=a|b;float=f32` chooses: all columns and f64 unless it says otherwise.
-pub fn choose_columns(columns: Option<&str>, float: Option<&str>) -> Result<(Vec<ParticleColumn>, FloatType), String> {
-    let chosen = match columns {
-        None | Some("") => ParticleColumn::all(),
-        Some(list) => {
-            let names: Vec<&str> = list.split('|').collect();
-            ParticleColumn::select(&names).map_err(|at| format!("{:?} is no column", names[at]))?
-        }
-    };
-    let float = match float {
-        None | Some("f64") => FloatType::F64,
-        Some("f32") => FloatType::F32,
-        Some(other) => return Err(format!("float={other}: f64 or f32 are possible")),
-    };
-    Ok((chosen, float))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn columns_are_chosen_by_name() {
-        use ParticleColumn::{Ids, Positions, Velocities};
-        let choose = |columns, float| choose_columns(columns, float);
-        assert_eq!(choose(Some("velocities|positions"), None).unwrap().0, [Ids, Velocities, Positions]);
-        assert_eq!(choose(None, Some("f32")).unwrap(), (ParticleColumn::all(), FloatType::F32));
-        assert!(choose(Some("velocities;colour"), None).unwrap_err().contains("colour"));
-        assert!(choose(None, Some("f16")).is_err());
-    }
 
     #[test]
     fn the_schema_names_what_a_scene_may_hold() {

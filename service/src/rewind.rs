@@ -32,7 +32,7 @@ impl Runner<'_> {
             Ok(bytes) => match self.checkpoints.keep(&token, bytes.into(), &self.limits) {
                 Err(error) => self.refuse(ticket, error),
                 Ok(checkpoint) => {
-                    self.announce_checkpoint("a checkpoint was taken", &token);
+                    self.announce_checkpoint("a checkpoint was taken", &checkpoint);
                     let result = Wire::Checkpointed(v1::Checkpointed { checkpoint: Some(checkpoint) });
                     self.settle(ticket, moment, result, None);
                 }
@@ -49,7 +49,7 @@ impl Runner<'_> {
             };
             let result = match outcome {
                 Ok(checkpoint) => {
-                    self.announce_checkpoint("a checkpoint was written", &checkpoint.token);
+                    self.announce_checkpoint("a checkpoint was written", &checkpoint);
                     Wire::Checkpointed(v1::Checkpointed { checkpoint: Some(checkpoint) })
                 }
                 Err(error) => {
@@ -80,7 +80,7 @@ impl Runner<'_> {
         self.stop_time_s = self.engine.scene().description().stop.time_s.filter(|&stop| stop > now.time_s);
         self.revision += 1;
         let text = format!("the simulation went to a checkpoint of step {}", now.step);
-        self.announce_named(v1::EventKind::Restored, v1::Severity::Info, &text, token);
+        self.announce_event(checkpoint_event(v1::EventKind::Restored, &text, &checkpoint));
         Ok(Wire::Restored(v1::Restored { checkpoint: Some(checkpoint) }))
     }
 
@@ -92,12 +92,23 @@ impl Runner<'_> {
     /// Forgets one.
     pub(crate) fn drop_checkpoint(&mut self, token: &str) -> Result<Wire, v1::Error> {
         self.checkpoints.drop_one(token)?;
-        self.announce_checkpoint("a checkpoint was dropped", token);
+        self.announce_named(v1::EventKind::Checkpoint, v1::Severity::Info, "a checkpoint was dropped", token);
         Ok(Wire::Applied(v1::Applied {}))
     }
 
-    fn announce_checkpoint(&self, message: &str, token: &str) {
-        self.announce_named(v1::EventKind::Checkpoint, v1::Severity::Info, message, token);
+    pub(crate) fn announce_checkpoint(&self, message: &str, checkpoint: &v1::Checkpoint) {
+        self.announce_event(checkpoint_event(v1::EventKind::Checkpoint, message, checkpoint));
+    }
+}
+
+fn checkpoint_event(kind: v1::EventKind, message: &str, checkpoint: &v1::Checkpoint) -> v1::Event {
+    v1::Event {
+        kind: kind.into(),
+        severity: v1::Severity::Info.into(),
+        message: message.into(),
+        name: checkpoint.token.clone(),
+        checkpoint: Some(checkpoint.clone()),
+        ..v1::Event::default()
     }
 }
 

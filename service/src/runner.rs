@@ -4,13 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
-use sturz_engine::{Engine, StepError};
+use sturz_engine::{Engine, GuardReading, StepError};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::advance::Window;
 use crate::autosave::Autosave;
 use crate::checkpoints::Checkpoints;
 use crate::config::Limits;
+use crate::guards::GuardWatch;
 use crate::journal::Journal;
 use crate::journal::record::Entry;
 use crate::lease::{Clients, Lease};
@@ -19,6 +20,7 @@ use crate::memory::RequestMemory;
 use crate::meter::Meter;
 use crate::order::{RequestKey, error};
 use crate::outbox::{Mark, Notice, Outbox};
+use crate::output::{Sample, refilled};
 use crate::schedule::Schedule;
 use crate::stages::StageTotals;
 use crate::ticket::{Logged, Moment};
@@ -83,8 +85,8 @@ pub struct Runner<'e> {
     pub(crate) revision: u64,
     /// Where to pause, once.
     pub(crate) stop_time_s: Option<f64>,
-    /// Whether the log has said that the step is too long for the contacts present.
-    pub(crate) warned_of_step: bool,
+    /// Which warnings were told.
+    pub(crate) guards: GuardWatch,
     pub(crate) journal: Journal,
     /// Why the journal cannot be written: no step is done until it can.
     pub(crate) held: Option<String>,
@@ -94,6 +96,7 @@ pub struct Runner<'e> {
 impl<'e> Runner<'e> {
     /// A paused simulation without journal, lease or files.
     pub fn new(engine: &'e mut Engine, inbox: Inbox, outbox: Outbox, shared: Arc<Shared>, limits: Limits) -> Self {
+        let guards = GuardWatch::new(engine.warnings());
         let mut runner = Self {
             engine,
             inbox,
@@ -109,7 +112,7 @@ impl<'e> Runner<'e> {
             meter: Meter::new(StageTotals::default()),
             revision: 0,
             stop_time_s: None,
-            warned_of_step: false,
+            guards,
             journal: Journal::default(),
             held: None,
             shared,
@@ -145,6 +148,9 @@ impl Runner<'_> {
         self.pause_at_stop_time();
 
         let now = Instant::now();
+        if stepped_s.is_some() {
+            self.watch_guards(now);
+        }
         self.autosave(now);
         self.meter.tick(now, stepped_s);
         self.offer(now);
@@ -270,30 +276,31 @@ impl Runner<'_> {
     fn offer(&mut self, now: Instant) {
         let mark = self.mark();
         let engine = &mut *self.engine;
-        self.outbox.state.offer(now, mark, |spare| {
-            let mut snapshot = spare.unwrap_or_default();
-            engine.snapshot(&mut snapshot);
-            snapshot
+        let outbox = &mut self.outbox;
+        outbox.state.offer(now, mark, |spare| {
+            let mut sample = refilled(spare, &outbox.state_choice);
+            engine.snapshot(&mut sample.data);
+            if sample.choice.columns.iter().any(|column| column.is_force()) {
+                engine.snapshot_forces(&mut sample.data);
+            }
+            sample
         });
-        for field in &mut self.outbox.fields {
-            let definition = &field.definition;
-            field.stream.offer(now, mark, |_| Box::new(engine.compute_field(definition)));
+        outbox.contacts.offer(now, mark, |spare| {
+            let mut sample = refilled(spare, &outbox.contacts_choice);
+            engine.contact_network(&mut sample.data);
+            sample
+        });
+        for field in &mut outbox.fields {
+            let (definition, choice) = (&field.definition, &field.choice);
+            let fill = |_| Box::new(Sample { data: engine.compute_field(definition), choice: choice.clone() });
+            field.stream.offer(now, mark, fill);
         }
         if self.outbox.report.is_due(now, mark) {
             let sample = self.report();
-            self.warn_of_step(&sample.engine);
+            let engine = &sample.engine;
+            let (value, limit) = (engine.time_step_s, engine.present_critical_time_step_s);
+            self.warn_of_step(now, GuardReading { particle: None, value, limit });
             self.outbox.report.offer(now, mark, |_| Box::new(sample));
-        }
-    }
-
-    /// Once: the critical step of a single contact was checked at the start, that of many on one body shows only now.
-    fn warn_of_step(&mut self, report: &sturz_engine::Report) {
-        let (step, critical) = (report.time_step_s, report.present_critical_time_step_s);
-        if step > critical && !std::mem::replace(&mut self.warned_of_step, true) {
-            tracing::warn!(
-                "step {}: the contacts present may be stable below {critical:.2e} s only, the time step is {step:.2e} s: reduce it",
-                report.step
-            );
         }
     }
 
@@ -329,7 +336,8 @@ impl Runner<'_> {
     }
 
     fn mark(&self) -> Mark {
-        Mark { step: self.engine.clock().step(), revision: self.revision }
+        let Moment { step, time_s } = self.moment();
+        Mark { step, time_s, revision: self.revision }
     }
 
     /// Puts an event on its way.
@@ -339,17 +347,22 @@ impl Runner<'_> {
 
     /// Puts an event about something with a name on its way.
     pub(crate) fn announce_named(&self, kind: v1::EventKind, severity: v1::Severity, message: &str, name: &str) {
+        self.announce_event(v1::Event {
+            kind: kind.into(),
+            severity: severity.into(),
+            message: message.into(),
+            name: name.into(),
+            ..v1::Event::default()
+        });
+    }
+
+    /// Puts an event on its way; its header is made where it is published.
+    pub(crate) fn announce_event(&self, event: v1::Event) {
         if self.journal.is_replaying() {
             // It was news when it happened.
             return;
         }
-        self.outbox.notify(Notice::Event {
-            kind,
-            severity,
-            message: message.into(),
-            name: name.into(),
-            moment: self.moment(),
-            topology_epoch: self.engine.topology_epoch(),
-        });
+        let (moment, topology_epoch) = (self.moment(), self.engine.topology_epoch());
+        self.outbox.notify(Notice::Event { event: Box::new(event), moment, topology_epoch });
     }
 }

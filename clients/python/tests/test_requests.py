@@ -100,7 +100,7 @@ def test_what_is_put_is_answered_by_an_event(space: sturz.Simulation) -> None:
         event = status_pb2.Event.FromString(payload)
         outcomes[event.outcome.request_id or event.outcome.command] = event.outcome
 
-    undeclare = space._bus.subscribe("event/command", hear, history=True)
+    undeclare = space._bus.subscribe("event/command", hear, missed=lambda count: None)
     bad = insertion("bad")
     bad.material = "cheese"
     with zenoh.open(raw_config(space.endpoint)) as session, space.events() as events:

@@ -15,7 +15,7 @@ use zenoh::qos::CongestionControl;
 use zenoh::query::{ConsolidationMode, Reply};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Config, Session, Wait};
-use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig, RecoveryConfig};
+use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig, Miss, RecoveryConfig};
 
 use crate::error::{ClientError, Refusal};
 use crate::queue::{End, Popped, Queue};
@@ -142,26 +142,45 @@ impl Bus {
         }
     }
 
-    /// Calls `receive`, which must not wait, with every payload published under `key`.
+    /// Calls `receive`, which must not wait, with every payload published under `key` from now on.
     pub(crate) fn subscribe(
         &self,
         key: &str,
-        with_history: bool,
         receive: impl Fn(Vec<u8>) + Send + Sync + 'static,
     ) -> Result<Subscription, ClientError> {
-        if self.watch.is_gone() {
-            return Err(self.gone());
-        }
+        self.check()?;
         let take = move |sample: Sample| receive(sample.payload().to_bytes().into_owned());
-        let builder = self.session.declare_subscriber(key).callback(take);
-        let declared = if with_history {
-            let history = HistoryConfig::default().detect_late_publishers();
-            let recovery = RecoveryConfig::default().heartbeat();
-            builder.history(history).recovery(recovery).wait().map(Subscription::WithHistory)
-        } else {
-            builder.wait().map(Subscription::Live)
-        };
+        let declared = self.session.declare_subscriber(key).callback(take).wait();
+        declared.map(Subscription::Live).map_err(|error| ClientError::bus(&topic(key), error))
+    }
+
+    /// The same, with the recent past first; lost payloads are asked for again, and `missed`, which must not wait, is told
+    /// how many could not be had.
+    pub(crate) fn subscribe_with_history(
+        &self,
+        key: &str,
+        receive: impl Fn(Vec<u8>) + Send + Sync + 'static,
+        missed: impl Fn(u64) + Send + Sync + 'static,
+    ) -> Result<Subscription, ClientError> {
+        self.check()?;
+        let take = move |sample: Sample| receive(sample.payload().to_bytes().into_owned());
+        let declared = self
+            .session
+            .declare_subscriber(key)
+            .callback(take)
+            .history(HistoryConfig::default().detect_late_publishers())
+            .recovery(RecoveryConfig::default().heartbeat())
+            .wait()
+            .and_then(|subscriber| {
+                let told = move |miss: Miss| missed(miss.nb().into());
+                subscriber.sample_miss_listener().callback(told).background().wait()?;
+                Ok(Subscription::WithHistory(subscriber))
+            });
         declared.map_err(|error| ClientError::bus(&topic(key), error))
+    }
+
+    fn check(&self) -> Result<(), ClientError> {
+        if self.watch.is_gone() { Err(self.gone()) } else { Ok(()) }
     }
 }
 

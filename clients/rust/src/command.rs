@@ -126,6 +126,12 @@ impl Simulation {
         self.quick(drop_field(name)).and_then(read)
     }
 
+    /// Sets columns, float type and pace of a stream, for all who subscribe to it: an [`crate::Output`], or the message of
+    /// the wire.
+    pub fn define_output(&self, output: impl Into<v1::OutputDefinition>) -> Result<Applied, ClientError> {
+        self.quick(define_output(output.into())).and_then(read)
+    }
+
     /// Saves the whole state in the daemon's memory, to go back to by [`Simulation::restore`]; one of that token is
     /// replaced. With an empty token the daemon makes one.
     pub fn checkpoint(&self, token: &str) -> Result<Checkpointed, ClientError> {
@@ -235,6 +241,10 @@ pub(crate) fn checkpoint(token: &str, on_disk: bool) -> Request {
 
 pub(crate) fn define_field(definition: v1::FieldDefinition) -> Request {
     Request::DefineField(v1::DefineFieldRequest { header: None, field: Some(definition) })
+}
+
+pub(crate) fn define_output(output: v1::OutputDefinition) -> Request {
+    Request::DefineOutput(v1::DefineOutputRequest { header: None, output: Some(output) })
 }
 
 pub(crate) fn drop_field(name: &str) -> Request {

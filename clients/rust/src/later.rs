@@ -5,7 +5,7 @@ use std::time::Duration;
 use sturz_protocol::{Request, v1};
 
 use crate::bus::Question;
-use crate::command::{checkpoint, define_field, drop_field, remove, set_gravity, set_loads, set_motion};
+use crate::command::{checkpoint, define_field, define_output, drop_field, remove, set_gravity, set_loads, set_motion};
 use crate::error::ClientError;
 use crate::outcome::{Applied, Checkpointed, Inserted, Kind, Removed, accepted, read};
 use crate::simulation::{Simulation, decode};
@@ -72,6 +72,11 @@ impl Later<'_> {
     /// As [`Simulation::define_field`].
     pub fn define_field(&self, definition: impl Into<v1::FieldDefinition>) -> Result<Pending<Applied>, ClientError> {
         self.send(define_field(definition.into()))
+    }
+
+    /// As [`Simulation::define_output`].
+    pub fn define_output(&self, output: impl Into<v1::OutputDefinition>) -> Result<Pending<Applied>, ClientError> {
+        self.send(define_output(output.into()))
     }
 
     /// As [`Simulation::drop_field`].

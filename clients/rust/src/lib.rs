@@ -5,8 +5,8 @@
 //! | `simulation` | the connection, questions, streams |
 //! | `command`, `later` | what changes the simulation, at once or at a simulated time |
 //! | `request`, `loads`, `outcome` | what a command asks for, what became of it |
-//! | `state`, `field` | particles and fields as arrays |
-//! | `stream` | frames as the daemon publishes them |
+//! | `state`, `contacts`, `field` | particles, their contacts and fields as arrays |
+//! | `stream`, `output` | frames as the daemon publishes them, and what they are to hold |
 //! | `bus`, `watch`, `queue` | the zenoh session: callbacks enqueue, callers wait |
 //!
 //! Units are SI and in the names. Every method may be called from any thread, and blocks until the daemon has
@@ -40,11 +40,13 @@
 
 mod bus;
 mod command;
+mod contacts;
 mod error;
 mod field;
 mod later;
 mod loads;
 mod outcome;
+mod output;
 mod queue;
 mod request;
 mod simulation;
@@ -52,11 +54,13 @@ mod state;
 mod stream;
 mod watch;
 
+pub use contacts::{Contacts, NO_BOUNDARY, NO_PARTICLE};
 pub use error::{ClientError, Refusal};
 pub use field::{Field, FieldDefinition};
 pub use later::{Later, Pending};
 pub use loads::Loads;
 pub use outcome::{Advanced, Applied, Checkpointed, Inserted, Moment, Removed, Restored, Stepped};
+pub use output::{Output, Pace};
 pub use request::{Amount, FloatType, Insertion, Motion, Placement, Region, Start, Window};
 pub use simulation::{DEFAULT_ENDPOINT, Simulation};
 pub use state::State;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
+use crate::contacts::Contacts;
 use crate::error::{ClientError, Refusal};
 use crate::field::Field;
 use crate::state::State;
@@ -79,6 +80,8 @@ pub struct Advanced {
     pub state: Option<State>,
     /// At the end of the window, in the order asked for.
     pub fields: Vec<Field>,
+    /// At the end of the window; `None` as for the state.
+    pub contacts: Option<Contacts>,
 }
 
 /// The state was saved.
@@ -153,6 +156,7 @@ impl Kind for Advanced {
             stop_reason: done.stop_reason(),
             state: done.frame.map(State::new),
             fields: done.fields.into_iter().map(Field::new).collect(),
+            contacts: done.contacts.map(Contacts::new),
         })
     }
 }

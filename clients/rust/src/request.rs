@@ -286,7 +286,7 @@ impl FloatType {
         }
     }
 
-    fn to_wire(self) -> v1::DataType {
+    pub(crate) fn to_wire(self) -> v1::DataType {
         match self {
             FloatType::F64 => v1::DataType::F64,
             FloatType::F32 => v1::DataType::F32,
@@ -317,7 +317,9 @@ pub struct Window {
     pub columns: Vec<String>,
     /// Names of defined fields to return.
     pub fields: Vec<String>,
-    /// Of the state.
+    /// Return the contact network.
+    pub contacts: bool,
+    /// Of the state and the contacts.
     pub float_type: FloatType,
     /// Instead of those before, from its start on.
     pub loads: Option<Loads>,
@@ -346,6 +348,11 @@ impl Window {
         self
     }
 
+    /// With the contact network in the reply.
+    pub fn with_contacts(self) -> Self {
+        Self { contacts: true, ..self }
+    }
+
     /// With these loads from its start on, instead of those before.
     pub fn with_loads(self, loads: Loads) -> Self {
         Self { loads: Some(loads), ..self }
@@ -359,7 +366,12 @@ impl Window {
             header: None,
             window_s: self.length_s,
             loads: self.loads.map(Into::into),
-            outputs: Some(v1::Outputs { columns: self.columns, fields: self.fields, float_type }),
+            outputs: Some(v1::Outputs {
+                columns: self.columns,
+                fields: self.fields,
+                float_type,
+                contacts: self.contacts,
+            }),
             from: Some(match self.start {
                 Start::LastKnown => From::FromTimeS(last_known_s),
                 Start::Time(time_s) => From::FromTimeS(time_s),

@@ -10,6 +10,7 @@ use sturz_protocol::v1;
 use zenoh::liveliness::LivelinessToken;
 
 use crate::bus::Bus;
+use crate::contacts::Contacts;
 use crate::error::ClientError;
 use crate::field::Field;
 use crate::request::FloatType;
@@ -136,6 +137,15 @@ impl Simulation {
         Ok(State::new(self.ask(&selector)?))
     }
 
+    /// The contact network now: columns such as `points` (see `Features.contact_columns`), or `all`. Ids and boundaries are
+    /// always there.
+    pub fn contacts(&self, columns: &[&str], float_type: FloatType) -> Result<Contacts, ClientError> {
+        // No columns would mean all of them to the daemon.
+        let columns = if columns.is_empty() { "ids".into() } else { columns.join("|") };
+        let selector = format!("{}?columns={columns};float={}", self.bus.keys.contacts_latest(), float_type.name());
+        Ok(Contacts::new(self.ask(&selector)?))
+    }
+
     /// A defined field, sampled now.
     pub fn field(&self, name: &str) -> Result<Field, ClientError> {
         check_name(name)?;
@@ -146,6 +156,12 @@ impl Simulation {
     pub fn states(&self) -> Result<Stream<State>, ClientError> {
         let decode = |bytes: &[u8]| decode(bytes).map(State::new);
         self.stream("state/frame", self.bus.keys.state_frame(), KEEP_FRAMES, decode)
+    }
+
+    /// The contact network as the daemon publishes it; the newest 4 frames are kept for a slow reader.
+    pub fn contact_networks(&self) -> Result<Stream<Contacts>, ClientError> {
+        let decode = |bytes: &[u8]| decode(bytes).map(Contacts::new);
+        self.stream("contacts/frame", self.bus.keys.contacts_frame(), KEEP_FRAMES, decode)
     }
 
     /// Samples of a field as the daemon publishes them; the newest 4 are kept for a slow reader.
@@ -160,8 +176,8 @@ impl Simulation {
         self.stream("report", self.bus.keys.report(), KEEP_REPORTS, decode)
     }
 
-    /// What happened and happens: starts, pauses, particles, fields, commands that were put. Late readers get the
-    /// recent past as well; the newest 1000 are kept for a slow one.
+    /// What happened and happens: starts, pauses, outcomes of commands, particles, fields, outputs, warnings, checkpoints,
+    /// the lease. Late readers get the recent past as well; the newest 1000 are kept for a slow one.
     pub fn events(&self) -> Result<Stream<v1::Event>, ClientError> {
         let (name, key) = ("event".into(), self.bus.keys.all_events());
         Stream::open(&self.bus, Source { name, key, is_events: true, keep: KEEP_EVENTS, decode })

@@ -94,6 +94,16 @@ impl State {
         self.numbers("angular_velocities", columns::read_floats)
     }
 
+    /// Sum over the contacts as they acted in the last step, N: without gravity and loads.
+    pub fn forces_n(&self) -> Result<Vec<[f64; 3]>, ClientError> {
+        self.numbers("forces", columns::read_floats)
+    }
+
+    /// Of the contacts about the centre of mass, world axes, N m.
+    pub fn torques_n_m(&self) -> Result<Vec<[f64; 3]>, ClientError> {
+        self.numbers("torques", columns::read_floats)
+    }
+
     /// One row per particle of the column of this name.
     fn numbers<R>(
         &self,

@@ -1,5 +1,6 @@
 //! Frames as the daemon publishes them: a bounded queue that forgets the oldest, and counts what was lost where.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -28,8 +29,10 @@ pub struct Stream<T> {
 pub struct StreamCounts {
     /// Reached this process.
     pub received: u64,
-    /// Did not reach it, by gaps in their sequence numbers; 0 for events, whose topics share one count.
+    /// Did not reach it, by gaps in their sequence numbers; 0 for events, of which `missed` tells.
     pub lost_on_the_way: u64,
+    /// Events that did not come, nor could be had from the daemon's memory: gaps that zenoh has told of.
+    pub missed: u64,
     /// Were overwritten in the queue before they were read.
     pub overwritten_here: u64,
 }
@@ -55,10 +58,20 @@ impl<T> Stream<T> {
             frames: Queue::new(source.keep),
             sequence: Mutex::default(),
             is_counted: !source.is_events,
+            missed: AtomicU64::new(0),
         });
         bus.watch.end_with_daemon(&inlet);
         let receiver = Arc::clone(&inlet);
-        let subscription = bus.subscribe(&source.key, source.is_events, move |payload| receiver.take(payload))?;
+        let take = move |payload| receiver.take(payload);
+        let subscription = if source.is_events {
+            let inlet = Arc::clone(&inlet);
+            let miss = move |count| {
+                inlet.missed.fetch_add(count, Relaxed);
+            };
+            bus.subscribe_with_history(&source.key, take, miss)?
+        } else {
+            bus.subscribe(&source.key, take)?
+        };
         Ok(Self { _subscription: subscription, inlet, decode: source.decode, name: source.name, bus: Arc::clone(bus) })
     }
 
@@ -94,6 +107,7 @@ impl<T> Stream<T> {
         StreamCounts {
             received: sequence.received,
             lost_on_the_way: sequence.lost,
+            missed: self.inlet.missed.load(Relaxed),
             overwritten_here: self.inlet.frames.overwritten(),
         }
     }
@@ -115,6 +129,7 @@ struct Inlet {
     frames: Queue<Vec<u8>>,
     sequence: Mutex<Sequence>,
     is_counted: bool,
+    missed: AtomicU64,
 }
 
 impl Inlet {
@@ -199,7 +214,8 @@ mod tests {
 
     #[test]
     fn losses_are_counted_where_they_happen() {
-        let inlet = Inlet { frames: Queue::new(2), sequence: Mutex::default(), is_counted: true };
+        let inlet =
+            Inlet { frames: Queue::new(2), sequence: Mutex::default(), is_counted: true, missed: AtomicU64::new(0) };
         [0, 1, 4, 5].into_iter().for_each(|seq| inlet.take(frame(seq)));
         inlet.take(b"no message".to_vec());
         let sequence = inlet.sequence();
@@ -211,6 +227,7 @@ mod tests {
         let header = Some(v1::Header { seq: 3, ..Default::default() });
         let messages = [
             v1::Frame { header: header.clone(), ..Default::default() }.encode_to_vec(),
+            v1::ContactFrame { header: header.clone(), ..Default::default() }.encode_to_vec(),
             v1::FieldFrame { header: header.clone(), ..Default::default() }.encode_to_vec(),
             v1::Report { header: header.clone(), ..Default::default() }.encode_to_vec(),
             v1::Event { header: header.clone(), ..Default::default() }.encode_to_vec(),

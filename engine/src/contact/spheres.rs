@@ -110,6 +110,12 @@ impl SpherePairs {
         self.pairs.iter().zip(&self.touching).filter(|(_, touching)| **touching).map(|(pair, _)| pair)
     }
 
+    /// Those pairs, and the force on side b, N.
+    pub fn touching_forces(&self) -> impl Iterator<Item = (&SpherePair, &Vec3)> {
+        let all = self.pairs.iter().zip(&self.on_b).zip(&self.touching);
+        all.filter(|(_, touching)| **touching).map(|((pair, on_b), _)| (pair, &on_b.force))
+    }
+
     /// Pairs with a spring, and the springs.
     pub fn springs(&self) -> impl Iterator<Item = (&SpherePair, &Vec3)> {
         self.pairs.iter().zip(&self.springs).filter(|(_, spring)| **spring != Vec3::zeros())

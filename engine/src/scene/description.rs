@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     CohesionDescription, DampingMass, FeaturePairsSection, GeneralizedOverlapSection, HertzSection, NormalLaw,
-    SharingScope,
+    OutputSection, SharingScope,
 };
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;
@@ -626,24 +626,6 @@ pub struct RelaxSection {
 impl Default for RelaxSection {
     fn default() -> Self {
         Self { overlap_ratio: 1e-3, displacement_fraction: 0.05, max_iterations: 20_000 }
-    }
-}
-
-/// `[output]`: defaults of the daemon's streams.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct OutputSection {
-    /// Most state frames per wall second.
-    pub state_rate_hz: f64,
-    /// Most field frames per wall second.
-    pub field_rate_hz: f64,
-    /// Reports per wall second.
-    pub report_rate_hz: f64,
-}
-
-impl Default for OutputSection {
-    fn default() -> Self {
-        Self { state_rate_hz: 10.0, field_rate_hz: 5.0, report_rate_hz: 2.0 }
     }
 }
 

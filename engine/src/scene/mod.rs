@@ -6,6 +6,7 @@ mod check;
 mod description;
 mod files;
 mod normal_law;
+mod output;
 mod plan;
 mod point_laws;
 mod resolution;
@@ -15,6 +16,7 @@ pub(crate) use boundaries::check_motion;
 pub use check::SceneCheck;
 pub use description::*;
 pub use normal_law::{FeaturePairsSection, GeneralizedOverlapSection, NormalLaw, RoundedShapes, WallOverlap};
+pub use output::{OutputSection, Pace};
 pub use plan::Plan;
 pub use point_laws::{
     CohesionDescription, DampingMass, HertzSection, PairExtras, PointLaws, PointNormal, SharingScope,

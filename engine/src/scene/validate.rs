@@ -420,12 +420,7 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
             problems.in_range(&path, density, "finite and above 0", density > 0.0);
         }
     }
-    let output = &description.output;
-    for (key, rate) in
-        [("state", output.state_rate_hz), ("field", output.field_rate_hz), ("report", output.report_rate_hz)]
-    {
-        problems.in_range(&format!("output.{key}_rate_hz"), rate, "in (0, 1000]", rate > 0.0 && rate <= 1000.0);
-    }
+    description.output.check(problems);
     if let Some(time) = description.stop.time_s {
         problems.in_range("stop.time_s", time, "finite and at least 0", time >= 0.0);
     }

@@ -1,99 +1,44 @@
 //! State and fields for the wire.
 
 use sturz_engine::fields::{FieldColumn, FieldFrame, FieldQuantity};
-use sturz_engine::{BoundaryState, Snapshot};
+use sturz_engine::{BoundaryState, FloatType, ParticleColumn, Snapshot};
 
 use super::command::grid_to_wire;
 use super::vec3;
 use crate::columns;
 use crate::v1;
 
-/// A column of a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ParticleColumn {
-    /// Stable ids.
-    Ids,
-    /// Indices into the scene's shapes.
-    Shapes,
-    /// Indices into the scene's materials.
-    Materials,
-    /// Sizes relative to the shape.
-    Scales,
-    /// Centres of mass, m.
-    Positions,
-    /// `world_from_body`.
-    Orientations,
-    /// m/s.
-    Velocities,
-    /// rad/s.
-    AngularVelocities,
-}
-
-/// Names of the columns on the wire.
-pub const COLUMN_NAMES: [(ParticleColumn, &str); 8] = [
-    (ParticleColumn::Ids, "ids"),
-    (ParticleColumn::Shapes, "shapes"),
-    (ParticleColumn::Materials, "materials"),
-    (ParticleColumn::Scales, "scales"),
-    (ParticleColumn::Positions, "positions"),
-    (ParticleColumn::Orientations, "orientations"),
-    (ParticleColumn::Velocities, "velocities"),
-    (ParticleColumn::AngularVelocities, "angular_velocities"),
-];
-
-impl ParticleColumn {
-    /// All columns, `ids` first.
-    pub fn all() -> Vec<Self> {
-        COLUMN_NAMES.map(|(column, _)| column).to_vec()
-    }
-
-    /// The columns of these names, `ids` first, each once; `"all"` stands for every one. `Err` is the index of a
-    /// name that is none.
-    pub fn select<S: AsRef<str>>(names: &[S]) -> Result<Vec<Self>, usize> {
-        let mut selected = vec![Self::Ids];
-        for (at, name) in names.iter().map(AsRef::as_ref).enumerate() {
-            if name == "all" {
-                return Ok(Self::all());
-            }
-            let known = COLUMN_NAMES.iter().find(|(_, known)| *known == name);
-            let (column, _) = known.ok_or(at)?;
-            if !selected.contains(column) {
-                selected.push(*column);
-            }
-        }
-        Ok(selected)
+/// `None` for a type that floats cannot have; f64 where it was left out.
+pub fn float_from_wire(dtype: i32) -> Option<FloatType> {
+    match v1::DataType::try_from(dtype).ok()? {
+        v1::DataType::Unspecified | v1::DataType::F64 => Some(FloatType::F64),
+        v1::DataType::F32 => Some(FloatType::F32),
+        v1::DataType::U64 | v1::DataType::U32 => None,
     }
 }
 
-/// Of the floating-point columns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FloatType {
-    /// As the engine has them.
-    #[default]
-    F64,
-    /// Half the bytes, rounded to nearest.
-    F32,
+/// The same type for the wire.
+pub fn float_to_wire(float: FloatType) -> v1::DataType {
+    match float {
+        FloatType::F64 => v1::DataType::F64,
+        FloatType::F32 => v1::DataType::F32,
+    }
 }
 
-impl FloatType {
-    /// `None` for a type that floats cannot have.
-    pub fn from_wire(dtype: i32) -> Option<Self> {
-        match v1::DataType::try_from(dtype).ok()? {
-            v1::DataType::Unspecified | v1::DataType::F64 => Some(Self::F64),
-            v1::DataType::F32 => Some(Self::F32),
-            v1::DataType::U64 | v1::DataType::U32 => None,
+/// Floats of `components` per row.
+fn flat_floats(float: FloatType, name: &str, unit: &str, components: usize, numbers: &[f64]) -> v1::Column {
+    match float {
+        FloatType::F64 => columns::flat(name, unit, components, numbers),
+        FloatType::F32 => {
+            let rounded: Vec<f32> = numbers.iter().map(|&x| x as f32).collect();
+            columns::flat(name, unit, components, &rounded)
         }
     }
+}
 
-    fn column<const C: usize>(self, name: &str, unit: &str, rows: &[[f64; C]]) -> v1::Column {
-        match self {
-            Self::F64 => columns::rows(name, unit, rows),
-            Self::F32 => {
-                let rounded: Vec<f32> = rows.as_flattened().iter().map(|&x| x as f32).collect();
-                columns::flat(name, unit, C, &rounded)
-            }
-        }
-    }
+/// Floats of `C` components per row.
+pub(super) fn floats<const C: usize>(float: FloatType, name: &str, unit: &str, rows: &[[f64; C]]) -> v1::Column {
+    flat_floats(float, name, unit, C, rows.as_flattened())
 }
 
 /// Chosen columns of a snapshot. The header's `step`, `sim_time_s` and `topology_epoch` are overwritten.
@@ -116,18 +61,18 @@ pub fn frame_to_wire(
 }
 
 fn column_to_wire(snapshot: &Snapshot, column: ParticleColumn, float: FloatType) -> v1::Column {
+    let name = column.name();
     match column {
-        ParticleColumn::Ids => columns::flat("ids", "", 1, &snapshot.ids),
-        ParticleColumn::Shapes => columns::flat("shapes", "", 1, &snapshot.shapes),
-        ParticleColumn::Materials => columns::flat("materials", "", 1, &snapshot.materials),
-        ParticleColumn::Scales => {
-            let scales: Vec<[f64; 1]> = snapshot.scales.iter().map(|&scale| [scale]).collect();
-            float.column("scales", "", &scales)
-        }
-        ParticleColumn::Positions => float.column("positions", "m", &snapshot.positions),
-        ParticleColumn::Orientations => float.column("orientations", "", &snapshot.orientations),
-        ParticleColumn::Velocities => float.column("velocities", "m/s", &snapshot.velocities),
-        ParticleColumn::AngularVelocities => float.column("angular_velocities", "rad/s", &snapshot.angular_velocities),
+        ParticleColumn::Ids => columns::flat(name, "", 1, &snapshot.ids),
+        ParticleColumn::Shapes => columns::flat(name, "", 1, &snapshot.shapes),
+        ParticleColumn::Materials => columns::flat(name, "", 1, &snapshot.materials),
+        ParticleColumn::Scales => flat_floats(float, name, "", 1, &snapshot.scales),
+        ParticleColumn::Positions => floats(float, name, "m", &snapshot.positions),
+        ParticleColumn::Orientations => floats(float, name, "", &snapshot.orientations),
+        ParticleColumn::Velocities => floats(float, name, "m/s", &snapshot.velocities),
+        ParticleColumn::AngularVelocities => floats(float, name, "rad/s", &snapshot.angular_velocities),
+        ParticleColumn::Forces => floats(float, name, "N", &snapshot.forces),
+        ParticleColumn::Torques => floats(float, name, "N m", &snapshot.torques),
     }
 }
 
@@ -159,14 +104,20 @@ pub fn quantity_name(quantity: FieldQuantity) -> (&'static str, &'static str) {
     }
 }
 
-/// A field for the wire. The header's `step` and `sim_time_s` are overwritten.
-pub fn field_to_wire(field: &FieldFrame, mut header: v1::Header) -> v1::FieldFrame {
+/// Chosen columns of a field for the wire; all when none is chosen. The header's `step` and `sim_time_s` are overwritten.
+pub fn field_to_wire(
+    field: &FieldFrame,
+    chosen: &[FieldQuantity],
+    float: FloatType,
+    mut header: v1::Header,
+) -> v1::FieldFrame {
     header.step = field.step;
     header.sim_time_s = field.time_s;
     let column = |column: &FieldColumn| {
         let (name, unit) = quantity_name(column.quantity);
-        columns::flat(name, unit, column.components, &column.data)
+        flat_floats(float, name, unit, column.components, &column.data)
     };
+    let is_chosen = |column: &&FieldColumn| chosen.is_empty() || chosen.contains(&column.quantity);
     v1::FieldFrame {
         header: Some(header),
         name: field.name.clone(),
@@ -174,7 +125,7 @@ pub fn field_to_wire(field: &FieldFrame, mut header: v1::Header) -> v1::FieldFra
         kernel: "truncated_gaussian".into(),
         width_m: field.width_m,
         cutoff_widths: field.cutoff_widths,
-        columns: field.columns.iter().map(column).collect(),
+        columns: field.columns.iter().filter(is_chosen).map(column).collect(),
         total_mass_kg: field.total_mass_kg,
         total_momentum_kg_m_per_s: Some(vec3(field.total_momentum_kg_m_per_s)),
     }

@@ -5,8 +5,10 @@
 //! is checked by the engine. Both say where: [`InvalidInput::path`] leads into the request.
 
 mod command;
+mod contacts;
 mod frame;
 mod loads;
+mod output;
 mod shapes;
 mod status;
 
@@ -14,8 +16,10 @@ pub use command::{
     Start, advance_start, field_definition_from_wire, field_definition_to_wire, gravity_from_wire, insertion_from_wire,
     insertion_to_wire, motion_from_wire, motion_to_wire,
 };
-pub use frame::{COLUMN_NAMES, FloatType, ParticleColumn, field_to_wire, frame_to_wire, quantity_name};
+pub use contacts::{NO_BOUNDARY, NO_PARTICLE, contacts_to_wire};
+pub use frame::{field_to_wire, float_from_wire, float_to_wire, frame_to_wire, quantity_name};
 pub use loads::loads_from_wire;
+pub use output::{pace_from_wire, pace_to_wire};
 pub use shapes::shape_to_wire;
 pub use status::{boundary_to_wire, domain_to_wire, report_to_wire};
 

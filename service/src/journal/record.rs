@@ -146,6 +146,9 @@ pub struct DaemonState {
     /// Empty when nobody holds the lease.
     #[prost(string, tag = "11")]
     pub lease_holder: String,
+    /// What streams hold, and when.
+    #[prost(message, repeated, tag = "20")]
+    pub outputs: Vec<v1::OutputDefinition>,
 }
 
 /// Which request of which client.

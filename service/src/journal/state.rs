@@ -8,6 +8,7 @@ use tokio::sync::oneshot;
 use crate::advance::Window;
 use crate::checkpoints::Saved;
 use crate::config::Limits;
+use crate::guards::GuardWatch;
 use crate::journal::record::{Accepted, DaemonState, Entry, Key, Mark, Remembered, WindowState};
 use crate::journal::snapshot::{Snapshot, Written};
 use crate::mailbox::{Answer, ReplyTo};
@@ -38,6 +39,7 @@ impl Runner<'_> {
             tokens_made: saved.made,
             tokens: saved.checkpoints,
             lease_holder: self.lease_holder(),
+            outputs: self.outbox.outputs(),
         };
         self.journal.save(Snapshot { daemon, engine: engine.into(), tokens: saved.bytes });
     }
@@ -77,6 +79,9 @@ impl Runner<'_> {
                 field_definition_from_wire(field).map_err(|input| anyhow!("a field: {}", input.problem))?;
             self.outbox.define_field(definition);
         }
+        self.outbox.restore_outputs(&daemon.outputs).map_err(|error| anyhow!("an output: {}", error.message))?;
+        // what a guard had told of is no news
+        self.guards = GuardWatch::new(self.engine.warnings());
         for Remembered { fingerprint, outcome } in daemon.remembered {
             self.memory.remember(fingerprint, outcome.context("a remembered request without outcome")?);
         }

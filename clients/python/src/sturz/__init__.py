@@ -9,6 +9,7 @@
 Units are SI and in the names; angles are in radians. Pictures are in `sturz.plot` (`pip install sturz[plots]`).
 """
 
+from .contacts import NO_BOUNDARY, NO_PARTICLE, ContactKind, Contacts
 from .errors import (
     CommandError,
     DaemonGone,
@@ -22,28 +23,35 @@ from .errors import (
 )
 from .field import Field, FieldDefinition, FieldMean, Grid
 from .loads import Loads
+from .output import Output
 from .participant import CouplingError, Participant
 from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, launch
 from .state import BoundaryState, ColumnMissing, Header, Shape, State
 from .status import (
     Boundary,
     Checkpoint,
+    CommandOutcome,
     Domain,
     EnergyBalance,
     Event,
     EventKind,
     Features,
+    GuardWarning,
     Info,
+    LeaseChange,
     Limits,
     Report,
     RunState,
     Severity,
+    WarningKind,
 )
 from .stream import Stream
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "NO_BOUNDARY",
+    "NO_PARTICLE",
     "Advanced",
     "Boundary",
     "BoundaryState",
@@ -51,6 +59,9 @@ __all__ = [
     "Checkpoint",
     "ColumnMissing",
     "CommandError",
+    "CommandOutcome",
+    "ContactKind",
+    "Contacts",
     "CouplingError",
     "Cylinder",
     "DaemonGone",
@@ -64,13 +75,16 @@ __all__ = [
     "FieldDefinition",
     "FieldMean",
     "Grid",
+    "GuardWarning",
     "Header",
     "Info",
     "LaunchFailed",
+    "LeaseChange",
     "Limits",
     "Loads",
     "NoAnswer",
     "NotConnected",
+    "Output",
     "Participant",
     "ProtocolError",
     "Report",
@@ -83,6 +97,7 @@ __all__ = [
     "Stream",
     "SturzError",
     "Timeout",
+    "WarningKind",
     "connect",
     "launch",
 ]

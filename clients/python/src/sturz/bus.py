@@ -211,8 +211,14 @@ class Bus:
             return bytes(answer.ok.payload.to_bytes())
         raise _refusal(key, bytes(answer.err.payload.to_bytes()))
 
-    def subscribe(self, key: str, receive: Callable[[bytes], None], *, history: bool) -> Callable[[], None]:
-        """Calls `receive` with every payload until the returned function is called."""
+    def subscribe(
+        self, key: str, receive: Callable[[bytes], None], *, missed: Callable[[int], None] | None = None
+    ) -> Callable[[], None]:
+        """Calls `receive` with every payload until the returned function is called.
+
+        With `missed`, the recent past comes first, lost payloads are asked for again, and `missed` is told how many
+        could not be had.
+        """
         expression = f"{self.root}/{key}"
 
         def take(sample: zenoh.Sample) -> None:
@@ -220,7 +226,7 @@ class Bus:
 
         self.check()
         callback = self._callback(take)
-        if history:
+        if missed is not None:
             events = zenoh.ext.declare_advanced_subscriber(
                 self._session,
                 expression,
@@ -228,7 +234,13 @@ class Bus:
                 history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
                 recovery=zenoh.ext.RecoveryConfig(heartbeat=True),  # type: ignore[call-arg]
             )
-            return events.undeclare
+            listener = events.sample_miss_listener(self._callback(lambda miss: missed(miss.nb)))
+
+            def stop() -> None:
+                listener.undeclare()
+                events.undeclare()
+
+            return stop
         return self._session.declare_subscriber(expression, callback).undeclare
 
     def when_ended(self, listener: Callable[[bool], None]) -> Callable[[], None]:

@@ -22,10 +22,12 @@ from . import columns as wire
 from ._proto.sturz.v1 import command_pb2 as pb
 from ._proto.sturz.v1 import data_pb2, status_pb2
 from .bus import Bus
+from .contacts import Contacts
 from .daemon import Daemon
 from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, SturzError, Timeout
 from .field import Field, FieldDefinition, grid_from
 from .loads import Loads
+from .output import FloatType, output_message
 from .progress import ProgressBar, wanted
 from .state import Shape, State
 from .status import Checkpoint, Event, Features, Info, Report
@@ -34,7 +36,6 @@ from .stream import Stream
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 StopReason = Literal["unspecified", "complete", "paused", "stopped", "lease_lost"]
 _STOP_REASONS: tuple[StopReason, ...] = ("unspecified", "complete", "paused", "stopped", "lease_lost")
-FloatType = Literal["f64", "f32"]
 T = TypeVar("T")
 
 
@@ -99,11 +100,13 @@ class Advanced(Stepped):
         window_steps: equal steps that the window was cut into.
         state: at the end of the window; None when no columns were asked for.
         fields: at the end of the window, by name.
+        contacts: at the end of the window; None when they were not asked for.
     """
 
     window_steps: int
     state: State | None
     fields: dict[str, Field]
+    contacts: Contacts | None
 
 
 def launch(
@@ -254,12 +257,25 @@ class Simulation:
         """The particles now.
 
         Args:
-            columns: names such as ``positions`` (see `Features.columns`); all when absent. Ids are always there.
+            columns: names such as ``positions`` (see `Features.columns`; ``all`` for every one); all but ``forces`` and
+                ``torques`` when absent. Ids are always there.
             float_type: of floating-point columns.
         """
-        names = "all" if columns is None else "|".join(["ids", *columns])
-        answer = self._ask(f"state/latest?columns={names};float={float_type}")
+        names = "" if columns is None else f"columns={'|'.join(['ids', *columns])};"
+        answer = self._ask(f"state/latest?{names}float={float_type}")
         return State.from_message(data_pb2.Frame.FromString(answer))
+
+    def contacts(self, columns: Iterable[str] | None = None, *, float_type: FloatType = "f64") -> Contacts:
+        """The contact network now: who touches whom, where, and with what force.
+
+        Args:
+            columns: names such as ``points`` (see `Features.contact_columns`); all when absent. Ids and boundaries are
+                always there.
+            float_type: of floating-point columns.
+        """
+        names = "" if columns is None else f"columns={'|'.join(['ids', *columns])};"
+        answer = self._ask(f"contacts/latest?{names}float={float_type}")
+        return Contacts.from_message(data_pb2.ContactFrame.FromString(answer))
 
     def field(self, name: str) -> Field:
         """A defined field, sampled now."""
@@ -622,6 +638,7 @@ class Simulation:
         from_time_s: float | None = None,
         columns: Iterable[str] = (),
         fields: Iterable[str] = (),
+        contacts: bool = False,
         float_type: FloatType = "f64",
         loads: Loads | None = None,
         progress: bool | None = False,
@@ -635,7 +652,8 @@ class Simulation:
                 time than the daemon's is refused, which catches lost and doubled windows.
             columns: of the state to return (see `Features.columns`; ``all`` for every one).
             fields: names of defined fields to return.
-            float_type: of the state's floating-point columns.
+            contacts: return the contact network.
+            float_type: of the floating-point columns of state and contacts.
             loads: replace those before from the start of the window on; those before go on when absent.
             progress: show a bar with simulated time, speed and time left; None: on a terminal only.
             label: of the bar.
@@ -650,6 +668,7 @@ class Simulation:
             columns=list(columns),
             fields=list(fields),
             float_type=data_pb2.DATA_TYPE_F32 if float_type == "f32" else data_pb2.DATA_TYPE_F64,
+            contacts=contacts,
         )
         request = pb.AdvanceRequest(from_time_s=start, window_s=window_s, outputs=outputs)
         if loads is not None:
@@ -665,6 +684,7 @@ class Simulation:
             window_steps=message.window_steps,
             state=State.from_message(message.frame) if message.HasField("frame") else None,
             fields={frame.name: Field.from_message(frame) for frame in message.fields},
+            contacts=Contacts.from_message(message.contacts) if message.HasField("contacts") else None,
         )
 
     def run_to(self, time_s: float, *, progress: bool | None = None, label: str = "run") -> Advanced:
@@ -730,6 +750,38 @@ class Simulation:
         """Forgets a field."""
         self._quick("drop_field", pb.DropFieldRequest(name=name))
 
+    def define_output(
+        self,
+        stream: str,
+        *,
+        columns: Iterable[str] = (),
+        float_type: FloatType | None = None,
+        every_steps: int | None = None,
+        every_wall_s: float | None = None,
+        every_sim_s: float | None = None,
+    ) -> None:
+        """Sets columns, float type and pace of a stream, for all who subscribe to it.
+
+        What is absent is as in the scene.
+
+        Args:
+            stream: ``state``, ``contacts``, ``report`` or ``field/<name>``.
+            columns: names (see `Features.columns`, `contact_columns`, `field_quantities`); ``all`` for every one.
+            float_type: of floating-point columns.
+            every_steps: at every step whose number is a multiple. Give one pace, or none.
+            every_wall_s: at most one in so much wall time, at least 0.001 s.
+            every_sim_s: at the first step at or after every multiple of this simulated time.
+        """
+        output = output_message(
+            stream=stream,
+            columns=columns,
+            float_type=float_type,
+            every_steps=every_steps,
+            every_wall_s=every_wall_s,
+            every_sim_s=every_sim_s,
+        )
+        self._quick("define_output", pb.DefineOutputRequest(output=output))
+
     def checkpoint(self, *, token: str = "", on_disk: bool = False) -> Checkpoint:
         """Saves the whole state, to go back to by `restore`: bit for bit, springs of contacts and motions included.
 
@@ -794,7 +846,7 @@ class Simulation:
 
     def _stream(self, stream: Stream[Any], key: str, *, history: bool = False) -> None:
         stream.at_close(self._bus.when_ended(stream.end))
-        stream.at_close(self._bus.subscribe(key, stream.receive, history=history))
+        stream.at_close(self._bus.subscribe(key, stream.receive, missed=stream.miss if history else None))
         with self._lock:
             self._streams.append(stream)
 
@@ -811,6 +863,14 @@ class Simulation:
             name="state/frame", decode=data_pb2.Frame.FromString, convert=State.from_message, keep=keep
         )
         self._stream(stream, "state/frame")
+        return stream
+
+    def contact_networks(self, *, keep: int = 4) -> Stream[Contacts]:
+        """The contact network as the daemon publishes it. A reader that is slow loses all but the newest `keep`."""
+        stream: Stream[Contacts] = Stream(
+            name="contacts/frame", decode=data_pb2.ContactFrame.FromString, convert=Contacts.from_message, keep=keep
+        )
+        self._stream(stream, "contacts/frame")
         return stream
 
     def fields(self, name: str, *, keep: int = 4) -> Stream[Field]:
@@ -830,8 +890,9 @@ class Simulation:
         return stream
 
     def events(self, *, keep: int = 1000) -> Stream[Event]:
-        """What happened and happens: starts, pauses, particles, fields, commands that were put. Late readers get the
-        recent past as well. A reader that is slow loses all but the newest `keep`."""
+        """What happened and happens: starts, pauses, outcomes of commands, particles, fields, outputs, warnings,
+        checkpoints, the lease. Late readers get the recent past as well; `Stream.missed` counts what did not come. A
+        reader that is slow loses all but the newest `keep`."""
         stream: Stream[Event] = Stream(
             name="event", decode=status_pb2.Event.FromString, convert=Event.from_message, keep=keep, counted=False
         )

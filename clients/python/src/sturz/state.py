@@ -183,6 +183,16 @@ class State:
         return self._column("angular_velocities")
 
     @property
+    def forces_n(self) -> Floats:
+        """Sum over the contacts as they acted in the last step, (n, 3), N, without gravity and loads. On request."""
+        return self._column("forces")
+
+    @property
+    def torques_n_m(self) -> Floats:
+        """Of the contacts about the centre of mass, world axes, (n, 3), N m. On request."""
+        return self._column("torques")
+
+    @property
     def speeds_m_per_s(self) -> Floats:
         """Of the centres of mass, (n,), m/s."""
         speeds: Floats = np.linalg.norm(self.velocities_m_per_s, axis=1)

@@ -13,6 +13,7 @@ from . import columns
 from ._proto.sturz.v1 import command_pb2
 from ._proto.sturz.v1 import status_pb2 as pb
 from .field import FieldDefinition
+from .output import Output
 from .state import Header
 
 
@@ -46,6 +47,8 @@ class EventKind(enum.IntEnum):
     CHECKPOINT = 9
     RESTORED = 10
     LEASE = 11
+    WARNING = 12
+    OUTPUT = 13
     JOURNAL = 20
 
     @classmethod
@@ -63,6 +66,34 @@ class Severity(enum.IntEnum):
 
     @classmethod
     def _missing_(cls, value: object) -> Severity:
+        return cls.UNSPECIFIED
+
+
+class LeaseChange(enum.IntEnum):
+    """What became of the lease."""
+
+    UNSPECIFIED = 0
+    ACQUIRED = 1
+    RELEASED = 2
+    LOST = 3
+
+    @classmethod
+    def _missing_(cls, value: object) -> LeaseChange:
+        return cls.UNSPECIFIED
+
+
+class WarningKind(enum.IntEnum):
+    """What a guard warns of."""
+
+    UNSPECIFIED = 0
+    LARGE_OVERLAP = 1
+    FAST_PARTICLE = 2
+    DEEP_ROUNDING = 3
+    ROTATION_NOT_CONVERGED = 4
+    TIME_STEP = 5
+
+    @classmethod
+    def _missing_(cls, value: object) -> WarningKind:
         return cls.UNSPECIFIED
 
 
@@ -163,6 +194,7 @@ class Info:
         scene_toml: the whole scene as it was started.
         threads: of the physics.
         lease_holder: id of the client that holds the lease; empty when none does.
+        outputs: what each stream holds now, and when.
     """
 
     version: str
@@ -188,6 +220,7 @@ class Info:
     scene_toml: str
     threads: int
     lease_holder: str
+    outputs: tuple[Output, ...]
 
     @classmethod
     def from_message(cls, message: pb.Info) -> Info:
@@ -215,6 +248,7 @@ class Info:
             scene_toml=message.scene_toml,
             threads=message.threads,
             lease_holder=message.lease_holder,
+            outputs=tuple(Output.from_message(output) for output in message.outputs),
         )
 
     def boundary(self, name: str) -> Boundary:
@@ -292,6 +326,7 @@ class Features:
     Attributes:
         commands: such as ``set_gravity``.
         columns: names for `state(columns=...)`.
+        contact_columns: names for `contacts(columns=...)`.
         field_quantities: names for `define_field(quantities=...)`.
         capabilities: kinds of shapes and boundaries of scene files, and other things by name.
         limits: what it refuses to exceed.
@@ -300,6 +335,7 @@ class Features:
 
     commands: tuple[str, ...]
     columns: tuple[str, ...]
+    contact_columns: tuple[str, ...]
     field_quantities: tuple[str, ...]
     capabilities: tuple[str, ...]
     limits: Limits
@@ -310,6 +346,7 @@ class Features:
         return cls(
             commands=tuple(message.commands),
             columns=tuple(message.columns),
+            contact_columns=tuple(message.contact_columns),
             field_quantities=tuple(message.field_quantities),
             capabilities=tuple(message.capabilities),
             limits=_plain(Limits, message.limits),
@@ -471,6 +508,73 @@ class Report:
 
 
 @dataclass(frozen=True)
+class GuardWarning:
+    """A guard's warning; of one kind at most one in a second.
+
+    Attributes:
+        kind: of what.
+        count: steps (of ``ROTATION_NOT_CONVERGED`` rotations) since the last event of this kind; 0 for ``TIME_STEP``.
+        total: the same, since the start of the run.
+        particle_id: the worst particle now; None where there is no one of them.
+        value: now: a ratio, or a time step, s.
+        limit: above which it warns.
+    """
+
+    kind: WarningKind
+    count: int
+    total: int
+    particle_id: int | None
+    value: float
+    limit: float
+
+    @classmethod
+    def from_message(cls, message: pb.GuardWarning) -> GuardWarning:
+        return cls(
+            kind=WarningKind(message.kind),
+            count=message.count,
+            total=message.total,
+            particle_id=message.particle_id if message.HasField("particle_id") else None,
+            value=message.value,
+            limit=message.limit,
+        )
+
+
+@dataclass(frozen=True)
+class CommandOutcome:
+    """What became of a command, in an event.
+
+    Attributes:
+        client_id: who asked.
+        request_id: which request of that client.
+        command: such as ``set_gravity``.
+        step: steps done when it took effect.
+        time_s: simulated time then, s.
+        error: why it was refused; empty otherwise.
+        path: into the request, of what was refused.
+    """
+
+    client_id: str
+    request_id: str
+    command: str
+    step: int
+    time_s: float
+    error: str
+    path: str
+
+    @classmethod
+    def from_message(cls, message: command_pb2.Outcome) -> CommandOutcome:
+        return cls(
+            client_id=message.client_id,
+            request_id=message.request_id,
+            command=message.command,
+            step=message.step,
+            time_s=message.sim_time_s,
+            error=message.error.message,
+            path=message.error.path,
+        )
+
+
+@dataclass(frozen=True)
 class Event:
     """Something that happened.
 
@@ -479,8 +583,15 @@ class Event:
         kind: what.
         severity: how bad.
         message: for people.
-        name: of the field, for field events.
-        request_id: of the command that caused it; empty when none did.
+        name: of the field, output or checkpoint, for such events; of the client, for lease events.
+        request_id: of the command, for command events; empty otherwise.
+        outcome: of the command, for command events.
+        inserted: ids that were added, for particles events.
+        removed: ids that were removed, as ascending ranges, for particles events.
+        warning: of a guard, for warnings.
+        lease: what became of it, for lease events.
+        checkpoint: that was saved or restored, for such events; None when one was dropped.
+        output: as it is now, for output events.
     """
 
     header: Header
@@ -489,9 +600,19 @@ class Event:
     message: str
     name: str
     request_id: str
+    outcome: CommandOutcome | None
+    inserted: range | None
+    removed: tuple[range, ...]
+    warning: GuardWarning | None
+    lease: LeaseChange | None
+    checkpoint: Checkpoint | None
+    output: Output | None
 
     @classmethod
     def from_message(cls, message: pb.Event) -> Event:
+        def part(name: str, convert: Any) -> Any:
+            return convert(getattr(message, name)) if message.HasField(name) else None
+
         return cls(
             header=Header.from_message(message.header),
             kind=EventKind(message.kind),
@@ -499,4 +620,15 @@ class Event:
             message=message.message,
             name=message.name,
             request_id=message.outcome.request_id,
+            outcome=part("outcome", CommandOutcome.from_message),
+            inserted=part("inserted", _ids),
+            removed=tuple(_ids(ids) for ids in message.removed),
+            warning=part("warning", GuardWarning.from_message),
+            lease=LeaseChange(message.lease) if message.lease else None,
+            checkpoint=part("checkpoint", Checkpoint.from_message),
+            output=part("output", Output.from_message),
         )
+
+
+def _ids(message: command_pb2.IdRange) -> range:
+    return range(message.first_id, message.first_id + message.count)

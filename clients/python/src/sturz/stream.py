@@ -23,6 +23,7 @@ class Stream(Generic[T]):
     Attributes:
         received: frames that reached this process.
         dropped_on_the_way: frames that did not, by gaps in their sequence numbers.
+        missed: events that did not come, nor could be had from the daemon's memory: gaps that zenoh has told of.
         dropped_here: frames that were overwritten in the queue before they were read.
     """
 
@@ -40,6 +41,7 @@ class Stream(Generic[T]):
         self.name = name
         self.received = 0
         self.dropped_on_the_way = 0
+        self.missed = 0
         self.dropped_here = 0
         self._decode = decode
         self._convert = convert
@@ -59,7 +61,7 @@ class Stream(Generic[T]):
     @property
     def dropped(self) -> int:
         """Frames lost in all."""
-        return self.dropped_on_the_way + self.dropped_here
+        return self.dropped_on_the_way + self.missed + self.dropped_here
 
     # Called by the bus, on its threads: enqueues, and nothing else.
 
@@ -86,6 +88,11 @@ class Stream(Generic[T]):
         if self._last is not None and self._last[0] == run_id and seq > self._last[1]:
             self.dropped_on_the_way += seq - self._last[1] - 1
         self._last = (run_id, seq)
+
+    def miss(self, count: int) -> None:
+        """So many will not come."""
+        with self._changed:
+            self.missed += count
 
     def fail(self, error: BaseException) -> None:
         """Ends the stream; `error` is raised in its reader."""

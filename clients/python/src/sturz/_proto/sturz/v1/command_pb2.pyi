@@ -344,14 +344,16 @@ class AdvanceRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
 
 class Outputs(_message.Message):
-    __slots__ = ("columns", "fields", "float_type")
+    __slots__ = ("columns", "fields", "float_type", "contacts")
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     FIELDS_FIELD_NUMBER: _ClassVar[int]
     FLOAT_TYPE_FIELD_NUMBER: _ClassVar[int]
+    CONTACTS_FIELD_NUMBER: _ClassVar[int]
     columns: _containers.RepeatedScalarFieldContainer[str]
     fields: _containers.RepeatedScalarFieldContainer[str]
     float_type: _data_pb2.DataType
-    def __init__(self, columns: _Optional[_Iterable[str]] = ..., fields: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[_data_pb2.DataType, str]] = ...) -> None: ...
+    contacts: bool
+    def __init__(self, columns: _Optional[_Iterable[str]] = ..., fields: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[_data_pb2.DataType, str]] = ..., contacts: bool = ...) -> None: ...
 
 class DefineFieldRequest(_message.Message):
     __slots__ = ("header", "field")
@@ -368,6 +370,14 @@ class DropFieldRequest(_message.Message):
     header: CommandHeader
     name: str
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., name: _Optional[str] = ...) -> None: ...
+
+class DefineOutputRequest(_message.Message):
+    __slots__ = ("header", "output")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    OUTPUT_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    output: _data_pb2.OutputDefinition
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., output: _Optional[_Union[_data_pb2.OutputDefinition, _Mapping]] = ...) -> None: ...
 
 class CheckpointRequest(_message.Message):
     __slots__ = ("header", "token", "on_disk")
@@ -471,6 +481,14 @@ class Removed(_message.Message):
     count: int
     def __init__(self, count: _Optional[int] = ...) -> None: ...
 
+class IdRange(_message.Message):
+    __slots__ = ("first_id", "count")
+    FIRST_ID_FIELD_NUMBER: _ClassVar[int]
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    first_id: int
+    count: int
+    def __init__(self, first_id: _Optional[int] = ..., count: _Optional[int] = ...) -> None: ...
+
 class Stepped(_message.Message):
     __slots__ = ("steps_done", "step", "time_reached_s", "stop_reason")
     STEPS_DONE_FIELD_NUMBER: _ClassVar[int]
@@ -484,7 +502,7 @@ class Stepped(_message.Message):
     def __init__(self, steps_done: _Optional[int] = ..., step: _Optional[int] = ..., time_reached_s: _Optional[float] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ...) -> None: ...
 
 class Advanced(_message.Message):
-    __slots__ = ("time_reached_s", "step", "steps_done", "window_steps", "stop_reason", "frame", "fields")
+    __slots__ = ("time_reached_s", "step", "steps_done", "window_steps", "stop_reason", "frame", "fields", "contacts")
     TIME_REACHED_S_FIELD_NUMBER: _ClassVar[int]
     STEP_FIELD_NUMBER: _ClassVar[int]
     STEPS_DONE_FIELD_NUMBER: _ClassVar[int]
@@ -492,6 +510,7 @@ class Advanced(_message.Message):
     STOP_REASON_FIELD_NUMBER: _ClassVar[int]
     FRAME_FIELD_NUMBER: _ClassVar[int]
     FIELDS_FIELD_NUMBER: _ClassVar[int]
+    CONTACTS_FIELD_NUMBER: _ClassVar[int]
     time_reached_s: float
     step: int
     steps_done: int
@@ -499,7 +518,8 @@ class Advanced(_message.Message):
     stop_reason: StopReason
     frame: _data_pb2.Frame
     fields: _containers.RepeatedCompositeFieldContainer[_data_pb2.FieldFrame]
-    def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ...) -> None: ...
+    contacts: _data_pb2.ContactFrame
+    def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ..., contacts: _Optional[_Union[_data_pb2.ContactFrame, _Mapping]] = ...) -> None: ...
 
 class Checkpoint(_message.Message):
     __slots__ = ("token", "step", "sim_time_s", "particles", "topology_epoch", "state_hash", "bytes", "on_disk")

@@ -14,6 +14,15 @@ class DataType(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     DATA_TYPE_U64: _ClassVar[DataType]
     DATA_TYPE_U32: _ClassVar[DataType]
 
+class ContactKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    CONTACT_KIND_UNSPECIFIED: _ClassVar[ContactKind]
+    CONTACT_KIND_SMOOTH: _ClassVar[ContactKind]
+    CONTACT_KIND_VERTEX_FACE: _ClassVar[ContactKind]
+    CONTACT_KIND_EDGE_EDGE: _ClassVar[ContactKind]
+    CONTACT_KIND_MANIFOLD: _ClassVar[ContactKind]
+    CONTACT_KIND_OVERLAP: _ClassVar[ContactKind]
+
 class FieldQuantity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
     FIELD_QUANTITY_UNSPECIFIED: _ClassVar[FieldQuantity]
@@ -27,6 +36,12 @@ DATA_TYPE_F64: DataType
 DATA_TYPE_F32: DataType
 DATA_TYPE_U64: DataType
 DATA_TYPE_U32: DataType
+CONTACT_KIND_UNSPECIFIED: ContactKind
+CONTACT_KIND_SMOOTH: ContactKind
+CONTACT_KIND_VERTEX_FACE: ContactKind
+CONTACT_KIND_EDGE_EDGE: ContactKind
+CONTACT_KIND_MANIFOLD: ContactKind
+CONTACT_KIND_OVERLAP: ContactKind
 FIELD_QUANTITY_UNSPECIFIED: FieldQuantity
 FIELD_QUANTITY_SOLID_FRACTION: FieldQuantity
 FIELD_QUANTITY_DENSITY: FieldQuantity
@@ -129,6 +144,32 @@ class BoundaryState(_message.Message):
     torque_n_m: Vec3
     orientation: Quaternion
     def __init__(self, name: _Optional[str] = ..., point_m: _Optional[_Union[Vec3, _Mapping]] = ..., direction: _Optional[_Union[Vec3, _Mapping]] = ..., angle_rad: _Optional[float] = ..., angular_velocity_rad_per_s: _Optional[float] = ..., force_n: _Optional[_Union[Vec3, _Mapping]] = ..., torque_n_m: _Optional[_Union[Vec3, _Mapping]] = ..., orientation: _Optional[_Union[Quaternion, _Mapping]] = ...) -> None: ...
+
+class ContactFrame(_message.Message):
+    __slots__ = ("header", "n", "columns")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    N_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    n: int
+    columns: _containers.RepeatedCompositeFieldContainer[Column]
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., n: _Optional[int] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ...) -> None: ...
+
+class OutputDefinition(_message.Message):
+    __slots__ = ("stream", "columns", "float_type", "every_steps", "every_wall_s", "every_sim_s")
+    STREAM_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    FLOAT_TYPE_FIELD_NUMBER: _ClassVar[int]
+    EVERY_STEPS_FIELD_NUMBER: _ClassVar[int]
+    EVERY_WALL_S_FIELD_NUMBER: _ClassVar[int]
+    EVERY_SIM_S_FIELD_NUMBER: _ClassVar[int]
+    stream: str
+    columns: _containers.RepeatedScalarFieldContainer[str]
+    float_type: DataType
+    every_steps: int
+    every_wall_s: float
+    every_sim_s: float
+    def __init__(self, stream: _Optional[str] = ..., columns: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[DataType, str]] = ..., every_steps: _Optional[int] = ..., every_wall_s: _Optional[float] = ..., every_sim_s: _Optional[float] = ...) -> None: ...
 
 class Grid(_message.Message):
     __slots__ = ("min_m", "max_m", "cells_x", "cells_y", "cells_z")

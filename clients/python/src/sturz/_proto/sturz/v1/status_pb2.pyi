@@ -32,6 +32,24 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_RESTORED: _ClassVar[EventKind]
     EVENT_KIND_LEASE: _ClassVar[EventKind]
     EVENT_KIND_JOURNAL: _ClassVar[EventKind]
+    EVENT_KIND_WARNING: _ClassVar[EventKind]
+    EVENT_KIND_OUTPUT: _ClassVar[EventKind]
+
+class WarningKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    WARNING_KIND_UNSPECIFIED: _ClassVar[WarningKind]
+    WARNING_KIND_LARGE_OVERLAP: _ClassVar[WarningKind]
+    WARNING_KIND_FAST_PARTICLE: _ClassVar[WarningKind]
+    WARNING_KIND_DEEP_ROUNDING: _ClassVar[WarningKind]
+    WARNING_KIND_ROTATION_NOT_CONVERGED: _ClassVar[WarningKind]
+    WARNING_KIND_TIME_STEP: _ClassVar[WarningKind]
+
+class LeaseChange(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    LEASE_CHANGE_UNSPECIFIED: _ClassVar[LeaseChange]
+    LEASE_CHANGE_ACQUIRED: _ClassVar[LeaseChange]
+    LEASE_CHANGE_RELEASED: _ClassVar[LeaseChange]
+    LEASE_CHANGE_LOST: _ClassVar[LeaseChange]
 
 class Severity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -58,13 +76,25 @@ EVENT_KIND_CHECKPOINT: EventKind
 EVENT_KIND_RESTORED: EventKind
 EVENT_KIND_LEASE: EventKind
 EVENT_KIND_JOURNAL: EventKind
+EVENT_KIND_WARNING: EventKind
+EVENT_KIND_OUTPUT: EventKind
+WARNING_KIND_UNSPECIFIED: WarningKind
+WARNING_KIND_LARGE_OVERLAP: WarningKind
+WARNING_KIND_FAST_PARTICLE: WarningKind
+WARNING_KIND_DEEP_ROUNDING: WarningKind
+WARNING_KIND_ROTATION_NOT_CONVERGED: WarningKind
+WARNING_KIND_TIME_STEP: WarningKind
+LEASE_CHANGE_UNSPECIFIED: LeaseChange
+LEASE_CHANGE_ACQUIRED: LeaseChange
+LEASE_CHANGE_RELEASED: LeaseChange
+LEASE_CHANGE_LOST: LeaseChange
 SEVERITY_UNSPECIFIED: Severity
 SEVERITY_INFO: Severity
 SEVERITY_WARNING: Severity
 SEVERITY_ERROR: Severity
 
 class Info(_message.Message):
-    __slots__ = ("version", "schema_version", "instance", "run_id", "scene", "pid", "state", "failure", "sim_time_s", "step", "time_step_s", "particles", "topology_epoch", "state_hash", "gravity_m_per_s2", "domain", "fields", "boundaries", "materials", "shapes", "scene_toml", "threads", "lease_holder")
+    __slots__ = ("version", "schema_version", "instance", "run_id", "scene", "pid", "state", "failure", "sim_time_s", "step", "time_step_s", "particles", "topology_epoch", "state_hash", "gravity_m_per_s2", "domain", "fields", "boundaries", "materials", "shapes", "scene_toml", "threads", "lease_holder", "outputs")
     VERSION_FIELD_NUMBER: _ClassVar[int]
     SCHEMA_VERSION_FIELD_NUMBER: _ClassVar[int]
     INSTANCE_FIELD_NUMBER: _ClassVar[int]
@@ -88,6 +118,7 @@ class Info(_message.Message):
     SCENE_TOML_FIELD_NUMBER: _ClassVar[int]
     THREADS_FIELD_NUMBER: _ClassVar[int]
     LEASE_HOLDER_FIELD_NUMBER: _ClassVar[int]
+    OUTPUTS_FIELD_NUMBER: _ClassVar[int]
     version: str
     schema_version: int
     instance: str
@@ -111,7 +142,8 @@ class Info(_message.Message):
     scene_toml: str
     threads: int
     lease_holder: str
-    def __init__(self, version: _Optional[str] = ..., schema_version: _Optional[int] = ..., instance: _Optional[str] = ..., run_id: _Optional[str] = ..., scene: _Optional[str] = ..., pid: _Optional[int] = ..., state: _Optional[_Union[RunState, str]] = ..., failure: _Optional[str] = ..., sim_time_s: _Optional[float] = ..., step: _Optional[int] = ..., time_step_s: _Optional[float] = ..., particles: _Optional[int] = ..., topology_epoch: _Optional[int] = ..., state_hash: _Optional[int] = ..., gravity_m_per_s2: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., domain: _Optional[_Union[Domain, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldDefinition, _Mapping]]] = ..., boundaries: _Optional[_Iterable[_Union[BoundaryInfo, _Mapping]]] = ..., materials: _Optional[_Iterable[str]] = ..., shapes: _Optional[_Iterable[str]] = ..., scene_toml: _Optional[str] = ..., threads: _Optional[int] = ..., lease_holder: _Optional[str] = ...) -> None: ...
+    outputs: _containers.RepeatedCompositeFieldContainer[_data_pb2.OutputDefinition]
+    def __init__(self, version: _Optional[str] = ..., schema_version: _Optional[int] = ..., instance: _Optional[str] = ..., run_id: _Optional[str] = ..., scene: _Optional[str] = ..., pid: _Optional[int] = ..., state: _Optional[_Union[RunState, str]] = ..., failure: _Optional[str] = ..., sim_time_s: _Optional[float] = ..., step: _Optional[int] = ..., time_step_s: _Optional[float] = ..., particles: _Optional[int] = ..., topology_epoch: _Optional[int] = ..., state_hash: _Optional[int] = ..., gravity_m_per_s2: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., domain: _Optional[_Union[Domain, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldDefinition, _Mapping]]] = ..., boundaries: _Optional[_Iterable[_Union[BoundaryInfo, _Mapping]]] = ..., materials: _Optional[_Iterable[str]] = ..., shapes: _Optional[_Iterable[str]] = ..., scene_toml: _Optional[str] = ..., threads: _Optional[int] = ..., lease_holder: _Optional[str] = ..., outputs: _Optional[_Iterable[_Union[_data_pb2.OutputDefinition, _Mapping]]] = ...) -> None: ...
 
 class Domain(_message.Message):
     __slots__ = ("min_m", "max_m", "periodic_x", "periodic_y", "periodic_z")
@@ -180,20 +212,22 @@ class MeshGeometry(_message.Message):
     def __init__(self, vertices: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., triangles: _Optional[_Union[_data_pb2.Column, _Mapping]] = ...) -> None: ...
 
 class Features(_message.Message):
-    __slots__ = ("commands", "columns", "field_quantities", "capabilities", "limits", "scene_schema_json")
+    __slots__ = ("commands", "columns", "field_quantities", "capabilities", "limits", "scene_schema_json", "contact_columns")
     COMMANDS_FIELD_NUMBER: _ClassVar[int]
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     FIELD_QUANTITIES_FIELD_NUMBER: _ClassVar[int]
     CAPABILITIES_FIELD_NUMBER: _ClassVar[int]
     LIMITS_FIELD_NUMBER: _ClassVar[int]
     SCENE_SCHEMA_JSON_FIELD_NUMBER: _ClassVar[int]
+    CONTACT_COLUMNS_FIELD_NUMBER: _ClassVar[int]
     commands: _containers.RepeatedScalarFieldContainer[str]
     columns: _containers.RepeatedScalarFieldContainer[str]
     field_quantities: _containers.RepeatedScalarFieldContainer[str]
     capabilities: _containers.RepeatedScalarFieldContainer[str]
     limits: Limits
     scene_schema_json: str
-    def __init__(self, commands: _Optional[_Iterable[str]] = ..., columns: _Optional[_Iterable[str]] = ..., field_quantities: _Optional[_Iterable[str]] = ..., capabilities: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., scene_schema_json: _Optional[str] = ...) -> None: ...
+    contact_columns: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, commands: _Optional[_Iterable[str]] = ..., columns: _Optional[_Iterable[str]] = ..., field_quantities: _Optional[_Iterable[str]] = ..., capabilities: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., scene_schema_json: _Optional[str] = ..., contact_columns: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class Limits(_message.Message):
     __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files", "clients")
@@ -268,7 +302,7 @@ class Parameter(_message.Message):
     def __init__(self, name: _Optional[str] = ..., value: _Optional[float] = ...) -> None: ...
 
 class Report(_message.Message):
-    __slots__ = ("header", "state", "particles", "touching_pairs", "touching_boundary_pairs", "contact_points", "contact_points_smooth", "contact_points_vertex_face", "contact_points_edge_edge", "neighbour_rebuilds", "energy", "momentum_kg_m_per_s", "internal_force_residual_n", "largest_overlap_m", "largest_overlap_ratio", "largest_overlap_ratio_so_far", "time_step_s", "critical_time_step_s", "contact_duration_s", "warnings", "stages", "sim_s_per_wall_s", "steps_per_wall_s", "streams", "state_hash", "progress", "wall_s", "largest_overlap_over_rounding", "present_critical_time_step_s")
+    __slots__ = ("header", "state", "particles", "touching_pairs", "touching_boundary_pairs", "contact_points", "contact_points_smooth", "contact_points_vertex_face", "contact_points_edge_edge", "neighbour_rebuilds", "energy", "momentum_kg_m_per_s", "internal_force_residual_n", "largest_overlap_m", "largest_overlap_ratio", "largest_overlap_ratio_so_far", "time_step_s", "critical_time_step_s", "contact_duration_s", "warnings", "stages", "sim_s_per_wall_s", "steps_per_wall_s", "streams", "state_hash", "progress", "wall_s", "largest_overlap_over_rounding", "present_critical_time_step_s", "longest_pause_s")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     PARTICLES_FIELD_NUMBER: _ClassVar[int]
@@ -298,6 +332,7 @@ class Report(_message.Message):
     WALL_S_FIELD_NUMBER: _ClassVar[int]
     LARGEST_OVERLAP_OVER_ROUNDING_FIELD_NUMBER: _ClassVar[int]
     PRESENT_CRITICAL_TIME_STEP_S_FIELD_NUMBER: _ClassVar[int]
+    LONGEST_PAUSE_S_FIELD_NUMBER: _ClassVar[int]
     header: _data_pb2.Header
     state: RunState
     particles: int
@@ -327,7 +362,8 @@ class Report(_message.Message):
     wall_s: float
     largest_overlap_over_rounding: float
     present_critical_time_step_s: float
-    def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., state: _Optional[_Union[RunState, str]] = ..., particles: _Optional[int] = ..., touching_pairs: _Optional[int] = ..., touching_boundary_pairs: _Optional[int] = ..., contact_points: _Optional[int] = ..., contact_points_smooth: _Optional[int] = ..., contact_points_vertex_face: _Optional[int] = ..., contact_points_edge_edge: _Optional[int] = ..., neighbour_rebuilds: _Optional[int] = ..., energy: _Optional[_Union[EnergyBalance, _Mapping]] = ..., momentum_kg_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., internal_force_residual_n: _Optional[float] = ..., largest_overlap_m: _Optional[float] = ..., largest_overlap_ratio: _Optional[float] = ..., largest_overlap_ratio_so_far: _Optional[float] = ..., time_step_s: _Optional[float] = ..., critical_time_step_s: _Optional[float] = ..., contact_duration_s: _Optional[float] = ..., warnings: _Optional[_Union[WarningCounts, _Mapping]] = ..., stages: _Optional[_Iterable[_Union[StageCost, _Mapping]]] = ..., sim_s_per_wall_s: _Optional[float] = ..., steps_per_wall_s: _Optional[float] = ..., streams: _Optional[_Iterable[_Union[StreamCounts, _Mapping]]] = ..., state_hash: _Optional[int] = ..., progress: _Optional[_Union[Progress, _Mapping]] = ..., wall_s: _Optional[float] = ..., largest_overlap_over_rounding: _Optional[float] = ..., present_critical_time_step_s: _Optional[float] = ...) -> None: ...
+    longest_pause_s: float
+    def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., state: _Optional[_Union[RunState, str]] = ..., particles: _Optional[int] = ..., touching_pairs: _Optional[int] = ..., touching_boundary_pairs: _Optional[int] = ..., contact_points: _Optional[int] = ..., contact_points_smooth: _Optional[int] = ..., contact_points_vertex_face: _Optional[int] = ..., contact_points_edge_edge: _Optional[int] = ..., neighbour_rebuilds: _Optional[int] = ..., energy: _Optional[_Union[EnergyBalance, _Mapping]] = ..., momentum_kg_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., internal_force_residual_n: _Optional[float] = ..., largest_overlap_m: _Optional[float] = ..., largest_overlap_ratio: _Optional[float] = ..., largest_overlap_ratio_so_far: _Optional[float] = ..., time_step_s: _Optional[float] = ..., critical_time_step_s: _Optional[float] = ..., contact_duration_s: _Optional[float] = ..., warnings: _Optional[_Union[WarningCounts, _Mapping]] = ..., stages: _Optional[_Iterable[_Union[StageCost, _Mapping]]] = ..., sim_s_per_wall_s: _Optional[float] = ..., steps_per_wall_s: _Optional[float] = ..., streams: _Optional[_Iterable[_Union[StreamCounts, _Mapping]]] = ..., state_hash: _Optional[int] = ..., progress: _Optional[_Union[Progress, _Mapping]] = ..., wall_s: _Optional[float] = ..., largest_overlap_over_rounding: _Optional[float] = ..., present_critical_time_step_s: _Optional[float] = ..., longest_pause_s: _Optional[float] = ...) -> None: ...
 
 class EnergyBalance(_message.Message):
     __slots__ = ("kinetic_translation_j", "kinetic_rotation_j", "potential_j", "elastic_j", "dissipated_normal_j", "dissipated_friction_j", "work_boundaries_j", "work_commands_j", "residual_j", "dissipated_local_j", "work_loads_j")
@@ -399,18 +435,46 @@ class Progress(_message.Message):
     steps_total: int
     def __init__(self, from_time_s: _Optional[float] = ..., to_time_s: _Optional[float] = ..., steps_done: _Optional[int] = ..., steps_total: _Optional[int] = ...) -> None: ...
 
+class GuardWarning(_message.Message):
+    __slots__ = ("kind", "count", "total", "particle_id", "value", "limit")
+    KIND_FIELD_NUMBER: _ClassVar[int]
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    TOTAL_FIELD_NUMBER: _ClassVar[int]
+    PARTICLE_ID_FIELD_NUMBER: _ClassVar[int]
+    VALUE_FIELD_NUMBER: _ClassVar[int]
+    LIMIT_FIELD_NUMBER: _ClassVar[int]
+    kind: WarningKind
+    count: int
+    total: int
+    particle_id: int
+    value: float
+    limit: float
+    def __init__(self, kind: _Optional[_Union[WarningKind, str]] = ..., count: _Optional[int] = ..., total: _Optional[int] = ..., particle_id: _Optional[int] = ..., value: _Optional[float] = ..., limit: _Optional[float] = ...) -> None: ...
+
 class Event(_message.Message):
-    __slots__ = ("header", "kind", "severity", "message", "outcome", "name")
+    __slots__ = ("header", "kind", "severity", "message", "outcome", "name", "inserted", "removed", "warning", "lease", "checkpoint", "output")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     KIND_FIELD_NUMBER: _ClassVar[int]
     SEVERITY_FIELD_NUMBER: _ClassVar[int]
     MESSAGE_FIELD_NUMBER: _ClassVar[int]
     OUTCOME_FIELD_NUMBER: _ClassVar[int]
     NAME_FIELD_NUMBER: _ClassVar[int]
+    INSERTED_FIELD_NUMBER: _ClassVar[int]
+    REMOVED_FIELD_NUMBER: _ClassVar[int]
+    WARNING_FIELD_NUMBER: _ClassVar[int]
+    LEASE_FIELD_NUMBER: _ClassVar[int]
+    CHECKPOINT_FIELD_NUMBER: _ClassVar[int]
+    OUTPUT_FIELD_NUMBER: _ClassVar[int]
     header: _data_pb2.Header
     kind: EventKind
     severity: Severity
     message: str
     outcome: _command_pb2.Outcome
     name: str
-    def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., kind: _Optional[_Union[EventKind, str]] = ..., severity: _Optional[_Union[Severity, str]] = ..., message: _Optional[str] = ..., outcome: _Optional[_Union[_command_pb2.Outcome, _Mapping]] = ..., name: _Optional[str] = ...) -> None: ...
+    inserted: _command_pb2.IdRange
+    removed: _containers.RepeatedCompositeFieldContainer[_command_pb2.IdRange]
+    warning: GuardWarning
+    lease: LeaseChange
+    checkpoint: _command_pb2.Checkpoint
+    output: _data_pb2.OutputDefinition
+    def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., kind: _Optional[_Union[EventKind, str]] = ..., severity: _Optional[_Union[Severity, str]] = ..., message: _Optional[str] = ..., outcome: _Optional[_Union[_command_pb2.Outcome, _Mapping]] = ..., name: _Optional[str] = ..., inserted: _Optional[_Union[_command_pb2.IdRange, _Mapping]] = ..., removed: _Optional[_Iterable[_Union[_command_pb2.IdRange, _Mapping]]] = ..., warning: _Optional[_Union[GuardWarning, _Mapping]] = ..., lease: _Optional[_Union[LeaseChange, str]] = ..., checkpoint: _Optional[_Union[_command_pb2.Checkpoint, _Mapping]] = ..., output: _Optional[_Union[_data_pb2.OutputDefinition, _Mapping]] = ...) -> None: ...
