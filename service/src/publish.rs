@@ -25,7 +25,7 @@ use crate::reply::Identity;
 use crate::ticket::Moment;
 
 /// How late a lost event is noticed by its subscribers.
-const EVENT_HEARTBEAT: Duration = Duration::from_millis(500);
+pub(crate) const EVENT_HEARTBEAT: Duration = Duration::from_millis(500);
 
 /// A frame that becomes bytes.
 pub trait Publish: Send + Sync + 'static {
@@ -95,7 +95,7 @@ async fn pump<T: Publish>(publisher: Publisher<'static>, io: Arc<Io>, slot: Arc<
 }
 
 /// Event topics, each with a history of its own, so that many commands do not push out the start of the run.
-const TOPICS: [&str; 5] = ["command", "run", "particles", "field", "checkpoint"];
+pub(crate) const TOPICS: [&str; 5] = ["command", "run", "particles", "field", "checkpoint"];
 
 fn topic(kind: v1::EventKind) -> &'static str {
     match kind {
@@ -110,13 +110,18 @@ fn topic(kind: v1::EventKind) -> &'static str {
 /// The outcome of a command that was put.
 pub fn command_event(identity: &Identity, outcome: &[u8]) -> v1::Event {
     let outcome = v1::Outcome::decode(outcome).unwrap_or_default();
+    let moment = Moment { step: outcome.step, time_s: outcome.sim_time_s };
+    outcome_event(identity.header(moment, 0, 0), outcome)
+}
+
+/// The same with a header of one's own.
+pub(crate) fn outcome_event(header: v1::Header, outcome: v1::Outcome) -> v1::Event {
     let (severity, message) = match &outcome.result {
         Some(v1::outcome::Result::Error(error)) => (v1::Severity::Warning, error.message.clone()),
         _ => (v1::Severity::Info, format!("{} is done", outcome.command)),
     };
-    let moment = Moment { step: outcome.step, time_s: outcome.sim_time_s };
     v1::Event {
-        header: Some(identity.header(moment, 0, 0)),
+        header: Some(header),
         kind: v1::EventKind::Command.into(),
         severity: severity.into(),
         message,
