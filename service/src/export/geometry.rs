@@ -78,10 +78,8 @@ impl Bounds {
 
     /// Takes in a ball.
     pub fn take(&mut self, centre: Vector, radius: f64) {
-        for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(centre[axis] - radius);
-            self.max[axis] = self.max[axis].max(centre[axis] + radius);
-        }
+        self.min = std::array::from_fn(|axis| self.min[axis].min(centre[axis] - radius));
+        self.max = std::array::from_fn(|axis| self.max[axis].max(centre[axis] + radius));
     }
 
     /// Whether nothing was taken in.

@@ -140,15 +140,13 @@ impl Player {
     fn show(&self, message: &Recorded, pace: &mut Pace) -> anyhow::Result<bool> {
         let paced = matches!(message.topic.message.as_str(), "Frame" | "FieldFrame" | "Report");
         let header = if paced { Headed::read(&message.payload) } else { None };
-        match header {
-            // Events remembered from before the recording would hold up its start.
-            None if self.stage.control.mode() == Mode::Stopping => return Ok(false),
-            None => {}
-            Some(header) => {
-                if !self.wait(pace, header.sim_time_s) {
-                    return Ok(false);
-                }
-            }
+        // Events remembered from before the recording would hold up its start.
+        let goes_on = match header {
+            Some(header) => self.wait(pace, header.sim_time_s),
+            None => self.stage.control.mode() != Mode::Stopping,
+        };
+        if !goes_on {
+            return Ok(false);
         }
         let payload = ZBytes::from(message.payload.clone());
         self.stage.shown().take(message, &payload)?;
