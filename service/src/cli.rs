@@ -1,11 +1,14 @@
 //! The command line as types. What each command does is in [`crate::commands`].
 
+mod recordings;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::DEFAULT_LISTEN;
 use crate::journal::{Fsync, Keep};
+pub use recordings::{Encoding, Export, ExportPart, Play, Record, RecordTopic};
 
 /// What the exit codes mean, for `--help`.
 const EXIT_CODES: &str = "\
@@ -46,6 +49,12 @@ pub enum Command {
     Inspect(Inspect),
     /// Go through a journal again and compare every outcome and every state in it
     Replay(Replay),
+    /// Write down what a running daemon says, as an MCAP file
+    Record(Record),
+    /// Serve a recording on the bus, as if its simulation ran
+    Play(Play),
+    /// Write a recording, a running daemon or a run as VTK files
+    Export(Export),
     /// Print the JSON schema of scene files
     Schema,
 }

@@ -208,14 +208,14 @@ async fn watch_clients(session: &Session, io: Arc<Io>) -> anyhow::Result<zenoh::
     declared.map_err(|error| anyhow!("cannot watch {key}: {error}"))
 }
 
-async fn open_session(bus: &Bus) -> Result<Session, ServeError> {
+pub(crate) async fn open_session(bus: &Bus) -> Result<Session, ServeError> {
     let config = bus.daemon_config()?;
     zenoh::open(config)
         .await
         .map_err(|error| ServeError::Bus { endpoints: bus.listen.clone(), reason: error.to_string() })
 }
 
-async fn refuse_twin(session: &Session, keys: &Keys) -> Result<(), ServeError> {
+pub(crate) async fn refuse_twin(session: &Session, keys: &Keys) -> Result<(), ServeError> {
     let replies = session.liveliness().get(keys.alive()).timeout(NAME_SEARCH).await;
     let replies = replies.map_err(|error| anyhow!(error))?;
     while let Ok(reply) = replies.recv_async().await {
@@ -226,7 +226,7 @@ async fn refuse_twin(session: &Session, keys: &Keys) -> Result<(), ServeError> {
     Ok(())
 }
 
-async fn describe(session: &Session, keys: &Keys, run_id: String) -> Ready {
+pub(crate) async fn describe(session: &Session, keys: &Keys, run_id: String) -> Ready {
     let endpoints: Vec<String> = session.info().locators().await.iter().map(ToString::to_string).collect();
     Ready {
         endpoint: endpoints.first().cloned().unwrap_or_default(),
@@ -305,7 +305,7 @@ fn start_physics(
 }
 
 /// Resolves at Ctrl-C, SIGTERM, and the end of standard input when that counts.
-fn asked_to_end(stop_on_stdin_eof: bool) -> anyhow::Result<impl Future<Output = ()>> {
+pub(crate) fn asked_to_end(stop_on_stdin_eof: bool) -> anyhow::Result<impl Future<Output = ()>> {
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;
     let (closed, stdin_closed) = oneshot::channel::<()>();

@@ -32,13 +32,18 @@ pub fn command_event(identity: &Identity, mut outcome: v1::Outcome) -> v1::Event
         Some(Wire::Checkpoints(all)) => all.checkpoints.clear(),
         _ => {}
     }
+    let moment = Moment { step: outcome.step, time_s: outcome.sim_time_s };
+    outcome_event(identity.header(moment, 0, 0), outcome)
+}
+
+/// The same with a header of one's own, and as it is.
+pub(crate) fn outcome_event(header: v1::Header, outcome: v1::Outcome) -> v1::Event {
     let (severity, message) = match &outcome.result {
         Some(Wire::Error(error)) => (v1::Severity::Warning, error.message.clone()),
         _ => (v1::Severity::Info, format!("{} is done", outcome.command)),
     };
-    let moment = Moment { step: outcome.step, time_s: outcome.sim_time_s };
     v1::Event {
-        header: Some(identity.header(moment, 0, 0)),
+        header: Some(header),
         kind: v1::EventKind::Command.into(),
         severity: severity.into(),
         message,

@@ -17,6 +17,9 @@ fn main() -> ExitCode {
         Command::Scenes(options) => commands::scenes(&options),
         Command::Inspect(options) => commands::inspect(&options),
         Command::Replay(options) => commands::replay(&options),
+        Command::Record(options) => commands::record(&options),
+        Command::Play(options) => commands::play(options),
+        Command::Export(options) => commands::export(&options),
         Command::Schema => commands::schema(),
     };
     match done {

@@ -24,7 +24,7 @@ use crate::output::{Choice, ContactSample, StateSample, encode_contacts, encode_
 use crate::reply::Identity;
 
 /// How late a lost event is noticed by its subscribers.
-const EVENT_HEARTBEAT: Duration = Duration::from_millis(500);
+pub(crate) const EVENT_HEARTBEAT: Duration = Duration::from_millis(500);
 
 /// A frame that becomes bytes.
 pub trait Publish: Send + Sync + 'static {

@@ -94,6 +94,11 @@ impl Identity {
         }
     }
 
+    /// What of `info` is that of the scene.
+    pub fn scene_info(&self) -> v1::Info {
+        self.info.clone()
+    }
+
     /// For `report`.
     pub fn report(&self, sample: &ReportSample, seq: u64) -> v1::Report {
         let header = self.blank_header(sample.topology_epoch, seq);

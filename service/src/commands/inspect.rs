@@ -1,5 +1,6 @@
 //! `sturz inspect`: what a running daemon says of itself.
 
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::anyhow;
@@ -19,12 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Shows info and report of a daemon.
 pub fn inspect(options: &cli::Inspect) -> Result<(), Failure> {
     runtime()?.block_on(async {
-        let bus = Bus { connect: vec![options.endpoint.clone()], file: options.config.clone(), ..Bus::default() };
-        let session = zenoh::open(bus.client_config()?)
-            .await
-            .map_err(|error| Failure::NoDaemon(format!("no daemon listens at {}: {error}", options.endpoint)))?;
-        let instance = choose(&session, options).await?;
-        let keys = Keys::new(&instance).map_err(|error| Failure::Usage(error.to_string()))?;
+        let (session, keys) = connect(options.name.as_deref(), &options.endpoint, options.config.as_deref()).await?;
         let info = v1::Info::decode(ask(&session, keys.info()).await?.as_slice());
         let report = v1::Report::decode(ask(&session, keys.report_latest()).await?.as_slice());
         let (info, report) = (info.map_err(anyhow::Error::from)?, report.map_err(anyhow::Error::from)?);
@@ -38,8 +34,23 @@ pub fn inspect(options: &cli::Inspect) -> Result<(), Failure> {
     })
 }
 
+/// A session, and the keys of the instance asked for or of the only one alive.
+pub(crate) async fn connect(
+    name: Option<&str>,
+    endpoint: &str,
+    config: Option<&Path>,
+) -> Result<(Session, Keys), Failure> {
+    let bus = Bus { connect: vec![endpoint.into()], file: config.map(Into::into), ..Bus::default() };
+    let session = zenoh::open(bus.client_config()?)
+        .await
+        .map_err(|error| Failure::NoDaemon(format!("no daemon listens at {endpoint}: {error}")))?;
+    let instance = choose(&session, name, endpoint).await?;
+    let keys = Keys::new(&instance).map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok((session, keys))
+}
+
 /// The instance asked for, or the only one alive.
-async fn choose(session: &Session, options: &cli::Inspect) -> Result<String, Failure> {
+async fn choose(session: &Session, name: Option<&str>, endpoint: &str) -> Result<String, Failure> {
     let replies = session.liveliness().get(ALL_ALIVE).timeout(PATIENCE).await.map_err(|error| anyhow!(error))?;
     let mut alive = Vec::new();
     while let Ok(reply) = replies.recv_async().await {
@@ -48,18 +59,19 @@ async fn choose(session: &Session, options: &cli::Inspect) -> Result<String, Fai
         }
     }
     let list = if alive.is_empty() { "none".into() } else { alive.join(", ") };
-    match (&options.name, &alive[..]) {
-        (Some(name), _) if alive.contains(name) => Ok(name.clone()),
+    match (name, &alive[..]) {
+        (Some(name), _) if alive.iter().any(|one| one == name) => Ok(name.into()),
         (Some(name), _) => {
-            Err(Failure::NoDaemon(format!("no instance {name:?} is alive at {}: there are {list}", options.endpoint)))
+            Err(Failure::NoDaemon(format!("no instance {name:?} is alive at {endpoint}: there are {list}")))
         }
         (None, [only]) => Ok(only.clone()),
-        (None, []) => Err(Failure::NoDaemon(format!("no instance is alive at {}", options.endpoint))),
+        (None, []) => Err(Failure::NoDaemon(format!("no instance is alive at {endpoint}"))),
         (None, _) => Err(Failure::Usage(format!("which one? There are {list}"))),
     }
 }
 
-async fn ask(session: &Session, key: String) -> Result<Vec<u8>, Failure> {
+/// Answer to a query.
+pub(crate) async fn ask(session: &Session, key: String) -> Result<Vec<u8>, Failure> {
     let replies = session.get(&key).timeout(PATIENCE).await.map_err(|error| anyhow!(error))?;
     match replies.recv_async().await.map(|reply| reply.into_result()) {
         Ok(Ok(sample)) => Ok(sample.payload().to_bytes().to_vec()),

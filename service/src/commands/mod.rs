@@ -1,7 +1,10 @@
 //! What each command of `sturz` does.
 
 mod check;
+mod export;
 mod inspect;
+mod play;
+mod record;
 mod replay;
 mod run;
 mod scenes;
@@ -11,7 +14,11 @@ mod table;
 use thiserror::Error;
 
 pub use check::check;
+pub use export::export;
 pub use inspect::inspect;
+pub(crate) use inspect::{ask, connect};
+pub use play::play;
+pub use record::record;
 pub use replay::replay;
 pub use run::run;
 pub use scenes::{scenes, schema};
@@ -41,6 +48,11 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The failure that an error of another kind hides, where it does.
+    fn from_any(error: anyhow::Error) -> Self {
+        error.downcast().unwrap_or_else(Failure::Other)
+    }
+
     /// As in `sturz --help`.
     pub fn exit_code(&self) -> u8 {
         match self {

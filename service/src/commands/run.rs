@@ -130,7 +130,7 @@ fn step_for_a_slice(engine: &mut Engine, stop_s: f64) -> Slice {
 }
 
 /// True from the first Ctrl-C or SIGTERM on.
-fn watch_signals() -> Result<Arc<AtomicBool>, Failure> {
+pub(super) fn watch_signals() -> Result<Arc<AtomicBool>, Failure> {
     use tokio::signal::unix::{SignalKind, signal};
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);

@@ -24,6 +24,7 @@ class ErrorCode(enum.IntEnum):
     UNUSABLE_CHECKPOINT = 13
     DISK = 14
     LEASE = 15
+    RECORDING = 16
 
     @classmethod
     def _missing_(cls, value: object) -> ErrorCode:

@@ -33,6 +33,7 @@ class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     ERROR_CODE_UNUSABLE_CHECKPOINT: _ClassVar[ErrorCode]
     ERROR_CODE_DISK: _ClassVar[ErrorCode]
     ERROR_CODE_LEASE: _ClassVar[ErrorCode]
+    ERROR_CODE_RECORDING: _ClassVar[ErrorCode]
 STOP_REASON_UNSPECIFIED: StopReason
 STOP_REASON_COMPLETE: StopReason
 STOP_REASON_PAUSED: StopReason
@@ -54,6 +55,7 @@ ERROR_CODE_INTERNAL: ErrorCode
 ERROR_CODE_UNUSABLE_CHECKPOINT: ErrorCode
 ERROR_CODE_DISK: ErrorCode
 ERROR_CODE_LEASE: ErrorCode
+ERROR_CODE_RECORDING: ErrorCode
 
 class CommandHeader(_message.Message):
     __slots__ = ("client_id", "request_id", "at_time_s")
