@@ -12,6 +12,7 @@ use zenoh::Session;
 use crate::cli;
 use crate::commands::{Failure, print_json, runtime};
 use crate::config::Bus;
+use crate::security::folder::Identity;
 
 /// How long to wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -19,10 +20,13 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Shows info and report of a daemon.
 pub fn inspect(options: &cli::Inspect) -> Result<(), Failure> {
     runtime()?.block_on(async {
-        let bus = Bus { connect: vec![options.endpoint.clone()], file: options.config.clone(), ..Bus::default() };
+        let client_tls = options.tls.as_deref().map(Identity::of_client).transpose();
+        let client_tls = client_tls.map_err(|error| Failure::Usage(format!("--tls: {error}")))?;
+        let connect = vec![options.endpoint.clone()];
+        let bus = Bus { connect, file: options.config.clone(), client_tls, ..Bus::default() };
         let session = zenoh::open(bus.client_config()?)
             .await
-            .map_err(|error| Failure::NoDaemon(format!("no daemon listens at {}: {error}", options.endpoint)))?;
+            .map_err(|error| Failure::NoDaemon(unreached(options, &error.to_string())))?;
         let instance = choose(&session, options).await?;
         let keys = Keys::new(&instance).map_err(|error| Failure::Usage(error.to_string()))?;
         let info = v1::Info::decode(ask(&session, keys.info()).await?.as_slice());
@@ -36,6 +40,15 @@ pub fn inspect(options: &cli::Inspect) -> Result<(), Failure> {
         session.close().await.map_err(|error| anyhow!(error))?;
         Ok(())
     })
+}
+
+fn unreached(options: &cli::Inspect, reason: &str) -> String {
+    let endpoint = &options.endpoint;
+    match (endpoint.starts_with("tls/"), &options.tls) {
+        (false, _) => format!("no daemon listens at {endpoint}: {reason}"),
+        (true, None) => format!("{endpoint} wants a certificate (--tls), or no daemon listens there: {reason}"),
+        (true, Some(_)) => format!("{endpoint} does not accept the certificate, or no daemon listens there: {reason}"),
+    }
 }
 
 /// The instance asked for, or the only one alive.
@@ -54,6 +67,10 @@ async fn choose(session: &Session, options: &cli::Inspect) -> Result<String, Fai
             Err(Failure::NoDaemon(format!("no instance {name:?} is alive at {}: there are {list}", options.endpoint)))
         }
         (None, [only]) => Ok(only.clone()),
+        (None, []) if options.tls.is_some() => {
+            let text = format!("{} shows this client nothing: its certificate has no role there", options.endpoint);
+            Err(Failure::NoDaemon(text))
+        }
         (None, []) => Err(Failure::NoDaemon(format!("no instance is alive at {}", options.endpoint))),
         (None, _) => Err(Failure::Usage(format!("which one? There are {list}"))),
     }

@@ -1,5 +1,6 @@
 //! What each command of `sturz` does.
 
+mod certs;
 mod check;
 mod inspect;
 mod replay;
@@ -10,6 +11,7 @@ mod table;
 
 use thiserror::Error;
 
+pub use certs::certs;
 pub use check::check;
 pub use inspect::inspect;
 pub use replay::replay;
