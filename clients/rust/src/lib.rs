@@ -8,6 +8,7 @@
 //! | `state`, `field` | particles and fields as arrays |
 //! | `stream` | frames as the daemon publishes them |
 //! | `bus`, `watch`, `queue` | the zenoh session: callbacks enqueue, callers wait |
+//! | `target`, `loss` | where the daemon is, certificates, and why it is gone |
 //!
 //! Units are SI and in the names. Every method may be called from any thread, and blocks until the daemon has
 //! answered; from asynchronous code, call it where blocking is allowed (`tokio::task::spawn_blocking`). What is small
@@ -44,21 +45,25 @@ mod error;
 mod field;
 mod later;
 mod loads;
+mod loss;
 mod outcome;
 mod queue;
 mod request;
 mod simulation;
 mod state;
 mod stream;
+mod target;
 mod watch;
 
 pub use error::{ClientError, Refusal};
 pub use field::{Field, FieldDefinition};
 pub use later::{Later, Pending};
 pub use loads::Loads;
+pub use loss::Loss;
 pub use outcome::{Advanced, Applied, Checkpointed, Inserted, Moment, Removed, Restored, Stepped};
 pub use request::{Amount, FloatType, Insertion, Motion, Placement, Region, Start, Window};
 pub use simulation::{DEFAULT_ENDPOINT, Simulation};
 pub use state::State;
 pub use stream::{Stream, StreamCounts};
 pub use sturz_protocol::{Request, v1};
+pub use target::{Target, Tls};
