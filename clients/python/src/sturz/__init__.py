@@ -10,8 +10,13 @@ Units are SI and in the names; angles are in radians. Pictures are in `sturz.plo
 """
 
 from .errors import (
+    AccessDenied,
     CommandError,
+    DaemonDenied,
+    DaemonDied,
     DaemonGone,
+    DaemonHung,
+    DaemonUnreachable,
     ErrorCode,
     LaunchFailed,
     NoAnswer,
@@ -40,10 +45,12 @@ from .status import (
     Severity,
 )
 from .stream import Stream
+from .target import Tls
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "AccessDenied",
     "Advanced",
     "Boundary",
     "BoundaryState",
@@ -53,7 +60,11 @@ __all__ = [
     "CommandError",
     "CouplingError",
     "Cylinder",
+    "DaemonDenied",
+    "DaemonDied",
     "DaemonGone",
+    "DaemonHung",
+    "DaemonUnreachable",
     "Domain",
     "EnergyBalance",
     "ErrorCode",
@@ -83,6 +94,7 @@ __all__ = [
     "Stream",
     "SturzError",
     "Timeout",
+    "Tls",
     "connect",
     "launch",
 ]
