@@ -92,6 +92,7 @@ impl Limits {
             checkpoint_bytes: u64::MAX,
             checkpoint_files: usize::MAX,
             clients: usize::MAX,
+            pairs: usize::MAX,
         }
     }
 

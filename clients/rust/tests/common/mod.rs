@@ -149,11 +149,6 @@ impl Daemon {
         Simulation::connect(&self.instance, &self.endpoint, SOON).unwrap().with_timeout(SOON)
     }
 
-    /// Of the operating system.
-    pub fn pid(&self) -> u32 {
-        self.process.id()
-    }
-
     /// Ends it without a chance to say so.
     pub fn kill(&mut self) {
         self.process.kill().unwrap();
