@@ -272,7 +272,7 @@ class Parameter(_message.Message):
     def __init__(self, name: _Optional[str] = ..., value: _Optional[float] = ...) -> None: ...
 
 class Report(_message.Message):
-    __slots__ = ("header", "state", "particles", "touching_pairs", "touching_boundary_pairs", "contact_points", "contact_points_smooth", "contact_points_vertex_face", "contact_points_edge_edge", "neighbour_rebuilds", "energy", "momentum_kg_m_per_s", "internal_force_residual_n", "largest_overlap_m", "largest_overlap_ratio", "largest_overlap_ratio_so_far", "time_step_s", "critical_time_step_s", "contact_duration_s", "warnings", "stages", "sim_s_per_wall_s", "steps_per_wall_s", "streams", "state_hash", "progress", "wall_s", "largest_overlap_over_rounding", "present_critical_time_step_s")
+    __slots__ = ("header", "state", "particles", "touching_pairs", "touching_boundary_pairs", "contact_points", "contact_points_smooth", "contact_points_vertex_face", "contact_points_edge_edge", "neighbour_rebuilds", "energy", "momentum_kg_m_per_s", "internal_force_residual_n", "largest_overlap_m", "largest_overlap_ratio", "largest_overlap_ratio_so_far", "time_step_s", "critical_time_step_s", "contact_duration_s", "warnings", "stages", "sim_s_per_wall_s", "steps_per_wall_s", "streams", "state_hash", "progress", "wall_s", "largest_overlap_over_rounding", "present_critical_time_step_s", "longest_pause_s")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     PARTICLES_FIELD_NUMBER: _ClassVar[int]
@@ -302,6 +302,7 @@ class Report(_message.Message):
     WALL_S_FIELD_NUMBER: _ClassVar[int]
     LARGEST_OVERLAP_OVER_ROUNDING_FIELD_NUMBER: _ClassVar[int]
     PRESENT_CRITICAL_TIME_STEP_S_FIELD_NUMBER: _ClassVar[int]
+    LONGEST_PAUSE_S_FIELD_NUMBER: _ClassVar[int]
     header: _data_pb2.Header
     state: RunState
     particles: int
@@ -331,7 +332,8 @@ class Report(_message.Message):
     wall_s: float
     largest_overlap_over_rounding: float
     present_critical_time_step_s: float
-    def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., state: _Optional[_Union[RunState, str]] = ..., particles: _Optional[int] = ..., touching_pairs: _Optional[int] = ..., touching_boundary_pairs: _Optional[int] = ..., contact_points: _Optional[int] = ..., contact_points_smooth: _Optional[int] = ..., contact_points_vertex_face: _Optional[int] = ..., contact_points_edge_edge: _Optional[int] = ..., neighbour_rebuilds: _Optional[int] = ..., energy: _Optional[_Union[EnergyBalance, _Mapping]] = ..., momentum_kg_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., internal_force_residual_n: _Optional[float] = ..., largest_overlap_m: _Optional[float] = ..., largest_overlap_ratio: _Optional[float] = ..., largest_overlap_ratio_so_far: _Optional[float] = ..., time_step_s: _Optional[float] = ..., critical_time_step_s: _Optional[float] = ..., contact_duration_s: _Optional[float] = ..., warnings: _Optional[_Union[WarningCounts, _Mapping]] = ..., stages: _Optional[_Iterable[_Union[StageCost, _Mapping]]] = ..., sim_s_per_wall_s: _Optional[float] = ..., steps_per_wall_s: _Optional[float] = ..., streams: _Optional[_Iterable[_Union[StreamCounts, _Mapping]]] = ..., state_hash: _Optional[int] = ..., progress: _Optional[_Union[Progress, _Mapping]] = ..., wall_s: _Optional[float] = ..., largest_overlap_over_rounding: _Optional[float] = ..., present_critical_time_step_s: _Optional[float] = ...) -> None: ...
+    longest_pause_s: float
+    def __init__(self, header: _Optional[_Union[_data_pb2.Header, _Mapping]] = ..., state: _Optional[_Union[RunState, str]] = ..., particles: _Optional[int] = ..., touching_pairs: _Optional[int] = ..., touching_boundary_pairs: _Optional[int] = ..., contact_points: _Optional[int] = ..., contact_points_smooth: _Optional[int] = ..., contact_points_vertex_face: _Optional[int] = ..., contact_points_edge_edge: _Optional[int] = ..., neighbour_rebuilds: _Optional[int] = ..., energy: _Optional[_Union[EnergyBalance, _Mapping]] = ..., momentum_kg_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., internal_force_residual_n: _Optional[float] = ..., largest_overlap_m: _Optional[float] = ..., largest_overlap_ratio: _Optional[float] = ..., largest_overlap_ratio_so_far: _Optional[float] = ..., time_step_s: _Optional[float] = ..., critical_time_step_s: _Optional[float] = ..., contact_duration_s: _Optional[float] = ..., warnings: _Optional[_Union[WarningCounts, _Mapping]] = ..., stages: _Optional[_Iterable[_Union[StageCost, _Mapping]]] = ..., sim_s_per_wall_s: _Optional[float] = ..., steps_per_wall_s: _Optional[float] = ..., streams: _Optional[_Iterable[_Union[StreamCounts, _Mapping]]] = ..., state_hash: _Optional[int] = ..., progress: _Optional[_Union[Progress, _Mapping]] = ..., wall_s: _Optional[float] = ..., largest_overlap_over_rounding: _Optional[float] = ..., present_critical_time_step_s: _Optional[float] = ..., longest_pause_s: _Optional[float] = ...) -> None: ...
 
 class EnergyBalance(_message.Message):
     __slots__ = ("kinetic_translation_j", "kinetic_rotation_j", "potential_j", "elastic_j", "dissipated_normal_j", "dissipated_friction_j", "work_boundaries_j", "work_commands_j", "residual_j", "dissipated_local_j", "work_loads_j")
