@@ -41,6 +41,7 @@ pub struct Engine {
     pub(crate) next_id: u64,
     pub(crate) topology_epoch: u64,
     pub(crate) failure: Option<StepError>,
+    most_pairs: usize,
     /// Before step 0: polyhedra meet by points, whatever their law, which may end before they are apart.
     pub(crate) relaxing: bool,
     /// Of the scene, once a checkpoint has asked for it.
@@ -97,6 +98,7 @@ impl Engine {
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
             failure: None,
+            most_pairs: usize::MAX,
             relaxing: false,
             layout: OnceLock::new(),
             pool,
@@ -107,7 +109,11 @@ impl Engine {
 
     /// The same scene at step 0, without particles and without a timer, on the same threads.
     pub(crate) fn blank_twin(&self) -> Self {
-        Self { layout: self.layout.clone(), ..Self::blank(Arc::clone(&self.scene), Arc::clone(&self.pool)) }
+        Self {
+            layout: self.layout.clone(),
+            most_pairs: self.most_pairs,
+            ..Self::blank(Arc::clone(&self.scene), Arc::clone(&self.pool))
+        }
     }
 
     /// Takes over all but the timer.
@@ -124,6 +130,11 @@ impl Engine {
     pub fn in_pool<R: Send>(&mut self, f: impl FnOnce(&mut Self) -> R + Send) -> R {
         let pool = Arc::clone(&self.pool);
         if pool.current_thread_index().is_some() { f(self) } else { pool.install(|| f(self)) }
+    }
+
+    /// From now on a step that would list more than `most` candidate pairs of parts fails, before they take memory.
+    pub fn set_most_pairs(&mut self, most: usize) {
+        self.most_pairs = most;
     }
 
     /// Who counts the cost of the stages.
@@ -270,6 +281,7 @@ impl Engine {
             sphere_batch: scene.plan().sphere_batch,
             cell: scene.cell(),
             skin_fraction: scene.plan().skin_fraction,
+            most_pairs: self.most_pairs,
             bonds: scene.point_laws().filter(|_| scene.plan().bonds),
             time_s,
         };
@@ -288,7 +300,10 @@ impl Engine {
         };
         contacts.spheres.keep(particles);
         contacts.take_caches(particles);
-        neighbours.rebuild(particles, &inputs, &mut contacts.slots);
+        if !neighbours.rebuild(particles, &inputs, &mut contacts.slots) {
+            // the guard ends the run with it; until then there are no contacts
+            self.failure.get_or_insert(StepError::TooManyPairs { most: self.most_pairs, step: self.clock.step() });
+        }
         contacts.reset();
         contacts.give_caches(particles);
         contacts.restore_springs(if kept.is_empty() { &springs } else { &kept }, particles);

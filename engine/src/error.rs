@@ -101,6 +101,16 @@ pub enum StepError {
         /// Iterations done.
         iterations: u64,
     },
+    /// The neighbour list would not fit into what it may take.
+    #[error(
+        "more than {most} candidate pairs would be listed after step {step} (limit `pairs`): too many particles are in one place, or the limit is too low"
+    )]
+    TooManyPairs {
+        /// The limit.
+        most: usize,
+        /// Steps done.
+        step: u64,
+    },
     /// The run failed earlier and must not go on.
     #[error("the run stopped at step {step}: {reason}")]
     Stopped {

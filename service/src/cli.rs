@@ -45,6 +45,8 @@ pub enum Command {
     Check(Check),
     /// List the bundled scenes, or print one
     Scenes(Scenes),
+    /// Make certificates for a lab: an authority, the daemon's, those of clients and their roles
+    Certs(Certs),
     /// Show what a running daemon says of itself
     Inspect(Inspect),
     /// Go through a journal again and compare every outcome and every state in it
@@ -85,6 +87,9 @@ pub struct Serve {
     /// A zenoh configuration file to start from
     #[arg(long, value_name = "FILE", help_heading = "Bus")]
     pub config: Option<PathBuf>,
+    /// Folder of certificates (see `sturz certs`): clients need one, and may do what their role allows
+    #[arg(long, env = "STURZ_TLS", value_name = "DIR", help_heading = "Bus")]
+    pub tls: Option<PathBuf>,
     /// Allow endpoints that other machines can reach: whoever reaches them can steer
     #[arg(long, help_heading = "Bus")]
     pub insecure: bool,
@@ -193,6 +198,31 @@ pub struct Scenes {
     pub json: bool,
 }
 
+/// `sturz certs`
+#[derive(Debug, Args)]
+pub struct Certs {
+    /// Folder of the authority; made if need be, else added to
+    pub folder: PathBuf,
+    /// Name of the lab, for the authority's certificate
+    #[arg(long, default_value = "lab", value_name = "NAME")]
+    pub name: String,
+    /// Name or address by which clients reach the daemon, apart from localhost; may be repeated
+    #[arg(long, value_name = "HOST")]
+    pub host: Vec<String>,
+    /// A client and its role (view, steer or admin), such as alice:steer; may be repeated
+    #[arg(long, value_name = "NAME:ROLE")]
+    pub client: Vec<String>,
+    /// Take the role from a client; may be repeated. A daemon must be started again to know
+    #[arg(long, value_name = "NAME")]
+    pub revoke: Vec<String>,
+    /// How long the certificates hold, days
+    #[arg(long, default_value_t = 365, value_parser = clap::value_parser!(u32).range(1..=36500))]
+    pub days: u32,
+    /// Replace the certificates of the clients named, and with --host the daemon's; never the authority's
+    #[arg(long)]
+    pub force: bool,
+}
+
 /// `sturz inspect`
 #[derive(Debug, Args)]
 pub struct Inspect {
@@ -204,6 +234,9 @@ pub struct Inspect {
     /// A zenoh configuration file to start from
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Folder with the certificate of this client, such as LAB/clients/NAME
+    #[arg(long, value_name = "DIR")]
+    pub tls: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -4,13 +4,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow};
 use serde::Deserialize;
+use serde_json::json;
 use sturz_protocol::v1;
+
+use crate::security::SecurityError;
+use crate::security::access;
+use crate::security::folder::{Identity, Roles};
 
 /// Where a daemon listens unless told otherwise.
 pub const DEFAULT_LISTEN: &str = "tcp/127.0.0.1:7447";
 
 /// `--listen auto`: a free port of the loopback interface.
 const AUTO_LISTEN: &str = "tcp/127.0.0.1:0";
+/// The same where certificates are asked for.
+pub const DEFAULT_LISTEN_TLS: &str = "tls/127.0.0.1:7447";
+const AUTO_LISTEN_TLS: &str = "tls/127.0.0.1:0";
 
 /// Bounds on what clients may ask for. A TOML file given with `--limits` may change them.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -40,8 +48,10 @@ pub struct Limits {
     pub checkpoint_bytes: u64,
     /// Checkpoints on disk.
     pub checkpoint_files: usize,
-    /// Clients whose liveliness is watched.
+    /// Sessions of clients at a time.
     pub clients: usize,
+    /// Pairs of parts that are near enough to be looked at in each step. One takes some 100 to 500 bytes.
+    pub pairs: usize,
 }
 
 impl Default for Limits {
@@ -60,6 +70,7 @@ impl Default for Limits {
             checkpoint_bytes: 2 << 30,
             checkpoint_files: 100,
             clients: 256,
+            pairs: 50_000_000,
         }
     }
 }
@@ -81,6 +92,7 @@ impl Limits {
             checkpoint_bytes: u64::MAX,
             checkpoint_files: usize::MAX,
             clients: usize::MAX,
+            pairs: usize::MAX,
         }
     }
 
@@ -91,8 +103,9 @@ impl Limits {
         };
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         let limits: Self = toml::from_str(&text).with_context(|| format!("in {}", path.display()))?;
-        if limits.queue_length == 0 || limits.open_requests == 0 || limits.remembered_events == 0 {
-            return Err(anyhow!("queue_length, open_requests and remembered_events must be at least 1"));
+        let least = limits.queue_length.min(limits.open_requests).min(limits.remembered_events).min(limits.clients);
+        if least == 0 {
+            return Err(anyhow!("queue_length, open_requests, remembered_events and clients must be at least 1"));
         }
         Ok(limits)
     }
@@ -111,6 +124,8 @@ impl Limits {
             checkpoint_bytes: self.checkpoint_bytes,
             checkpoint_files: self.checkpoint_files as u64,
             clients: self.clients as u64,
+            pairs: self.pairs as u64,
+            open_requests: self.open_requests as u64,
         }
     }
 }
@@ -124,6 +139,31 @@ pub struct Bus {
     pub connect: Vec<String>,
     /// A zenoh configuration file to start from.
     pub file: Option<PathBuf>,
+    /// Certificates that a daemon asks for.
+    pub tls: Option<ServerTls>,
+    /// Certificates of a client.
+    pub client_tls: Option<Identity>,
+    /// Sessions that a daemon lets in; zenoh's default when absent.
+    pub most_clients: Option<usize>,
+}
+
+/// What a daemon shows its clients, and what it lets them do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ServerTls {
+    /// Its own certificate, and the authority of theirs.
+    pub identity: Identity,
+    /// What their names may do.
+    pub roles: Roles,
+    /// The daemon's name: whose keys they are about.
+    pub instance: String,
+}
+
+impl ServerTls {
+    /// From a folder that `sturz certs` made.
+    pub fn open(folder: &Path, instance: &str) -> Result<Self, SecurityError> {
+        let (identity, roles) = Identity::of_server(folder)?;
+        Ok(Self { identity, roles, instance: instance.into() })
+    }
 }
 
 impl Bus {
@@ -132,7 +172,8 @@ impl Bus {
     pub fn daemon_config(&self) -> anyhow::Result<zenoh::Config> {
         let mut config = self.base()?;
         set(&mut config, "mode", &"peer")?;
-        let listen: Vec<&str> = self.listen.iter().map(|e| if e == "auto" { AUTO_LISTEN } else { e }).collect();
+        let auto = if self.tls.is_some() { AUTO_LISTEN_TLS } else { AUTO_LISTEN };
+        let listen: Vec<&str> = self.listen.iter().map(|e| if e == "auto" { auto } else { e }).collect();
         if !listen.is_empty() {
             set(&mut config, "listen/endpoints", &listen)?;
         }
@@ -140,6 +181,23 @@ impl Bus {
         set(&mut config, "listen/timeout_ms", &0)?;
         if !self.connect.is_empty() {
             set(&mut config, "connect/endpoints", &self.connect)?;
+        }
+        if let Some(most) = self.most_clients {
+            set(&mut config, "transport/unicast/max_sessions", &(most + self.connect.len()))?;
+        }
+        if let Some(tls) = &self.tls {
+            let Identity { authority, certificate, key } = &tls.identity;
+            let setting = json!({
+                "root_ca_certificate": authority,
+                "enable_mtls": true,
+                "listen_certificate": certificate,
+                "listen_private_key": key,
+                "connect_certificate": certificate,
+                "connect_private_key": key,
+                "close_link_on_expiration": true,
+            });
+            set(&mut config, "transport/link/tls", &setting)?;
+            set(&mut config, "access_control", &access::control(&tls.instance, &tls.roles)?)?;
         }
         Ok(config)
     }
@@ -151,25 +209,16 @@ impl Bus {
         set(&mut config, "connect/endpoints", &self.connect)?;
         set(&mut config, "connect/exit_on_failure", &true)?;
         set(&mut config, "connect/timeout_ms", &0)?;
-        Ok(config)
-    }
-
-    /// Refuses endpoints that other machines can reach, unless that is wanted: whoever reaches them can steer.
-    pub fn check_exposure(&self, insecure: bool) -> anyhow::Result<()> {
-        let config = self.daemon_config()?;
-        let listed = config.get_json("listen/endpoints").map_err(|error| anyhow!("listen/endpoints: {error}"))?;
-        let listed: serde_json::Value = serde_json::from_str(&listed)?;
-        let mut exposed = endpoints(&listed).into_iter().filter(|endpoint| !is_loopback(endpoint));
-        match exposed.next() {
-            Some(endpoint) if insecure => {
-                tracing::warn!("--insecure: whoever reaches {endpoint} can steer this simulation");
-                Ok(())
-            }
-            Some(endpoint) => Err(anyhow!(
-                "other machines can reach {endpoint}, and whoever does can steer: listen on tcp/127.0.0.1:PORT, or allow it with --insecure"
-            )),
-            None => Ok(()),
+        if let Some(Identity { authority, certificate, key }) = &self.client_tls {
+            let setting = json!({
+                "root_ca_certificate": authority,
+                "enable_mtls": true,
+                "connect_certificate": certificate,
+                "connect_private_key": key,
+            });
+            set(&mut config, "transport/link/tls", &setting)?;
         }
+        Ok(config)
     }
 
     fn base(&self) -> anyhow::Result<zenoh::Config> {
@@ -181,30 +230,6 @@ impl Bus {
         set(&mut config, "scouting/gossip/enabled", &false)?;
         Ok(config)
     }
-}
-
-/// All strings of a zenoh endpoint setting: a list, or a list per mode.
-fn endpoints(value: &serde_json::Value) -> Vec<&str> {
-    match value {
-        serde_json::Value::String(endpoint) => vec![endpoint],
-        serde_json::Value::Array(list) => list.iter().flat_map(endpoints).collect(),
-        serde_json::Value::Object(modes) => modes.get("peer").map(endpoints).unwrap_or_default(),
-        _ => Vec::new(),
-    }
-}
-
-/// Whether only this machine can reach an endpoint such as `tcp/127.0.0.1:7447`.
-fn is_loopback(endpoint: &str) -> bool {
-    let Some((protocol, address)) = endpoint.split_once('/') else {
-        return false;
-    };
-    if protocol.starts_with("unix") {
-        return true;
-    }
-    let host =
-        address.split(['?', '#']).next().and_then(|address| address.rsplit_once(':')).map_or("", |(host, _)| host);
-    let host = host.trim_start_matches('[').trim_end_matches(']');
-    host == "localhost" || host.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
 }
 
 fn set<T: serde::Serialize + ?Sized>(config: &mut zenoh::Config, key: &str, value: &T) -> anyhow::Result<()> {
@@ -225,22 +250,6 @@ mod tests {
         }
         assert!(config.get_json("listen/endpoints").unwrap().contains("tcp/127.0.0.1:0"));
         assert_eq!(config.get_json("mode").unwrap(), "\"peer\"");
-    }
-
-    #[test]
-    fn only_loopback_goes_without_saying() {
-        for endpoint in ["auto", "tcp/127.0.0.1:7447", "tcp/localhost:0", "tcp/[::1]:7447", "tcp/127.0.0.1:1#iface=lo"]
-        {
-            let bus = Bus { listen: vec![endpoint.into()], ..Bus::default() };
-            assert!(bus.check_exposure(false).is_ok(), "{endpoint}");
-        }
-        for endpoint in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tcp/192.0.2.1:7447", "tcp/example.org:1"] {
-            let bus = Bus { listen: vec!["auto".into(), endpoint.into()], ..Bus::default() };
-            assert!(bus.check_exposure(false).unwrap_err().to_string().contains(endpoint));
-            assert!(bus.check_exposure(true).is_ok());
-        }
-        // Zenoh's own default is every interface.
-        assert!(Bus::default().check_exposure(false).is_err());
     }
 
     #[test]

@@ -30,6 +30,7 @@ use crate::outbox::Outbox;
 use crate::publish::{self, Notices};
 use crate::reply::{Identity, wall_time_ns};
 use crate::runner::{Phase, Runner, Shared};
+use crate::security::door::Door;
 use crate::stages::StageTotals;
 
 /// Notices of the physics that wait for the bus.
@@ -126,9 +127,10 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let keys = Keys::new(&options.instance).map_err(|error| anyhow!(error))?;
     let session = open_session(&options.bus).await?;
     refuse_twin(&session, &keys).await?;
+    Door::watch(&session, &options.bus, options.limits.clients).await?;
 
     let run_id: String = session.zid().to_string().chars().take(16).collect();
-    let identity = Identity::new(&options.instance, run_id.clone(), &scene, options.threads, &options.limits);
+    let identity = identify(&options, &scene, run_id.clone());
     let (letters, inbox) = mailbox(options.limits.queue_length);
     let (notices, notices_heard) = mpsc::channel(NOTICES);
     let (events, events_heard) = mpsc::channel(EVENTS);
@@ -194,6 +196,14 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     drop(token.undeclare().await);
     session.close().await.map_err(|error| anyhow!(error))?;
     Ok(())
+}
+
+fn identify(options: &Options, scene: &Scene, run_id: String) -> Identity {
+    let mut identity = Identity::new(&options.instance, run_id, scene, options.threads, &options.limits);
+    if options.bus.controls_access() {
+        identity.features.capabilities.push("access_control".into());
+    }
+    identity
 }
 
 /// Notes which clients are there. The callback only notes, and wakes the physics.
@@ -273,6 +283,7 @@ fn start_physics(
     let body = move || {
         let totals = StageTotals::default();
         engine.set_threads(options.threads);
+        engine.set_most_pairs(options.limits.pairs);
         engine.set_timer(Some(totals.timer()));
         // All of the loop inside the pool: a hand-over per step costs more than a small step.
         engine.in_pool(|engine| {

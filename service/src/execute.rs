@@ -68,7 +68,8 @@ impl Runner<'_> {
             }
             Some(time) if time > now_s => {
                 if self.schedule.len() >= self.limits.open_requests {
-                    let text = format!("{} commands wait for their time already", self.schedule.len());
+                    let waiting = self.schedule.len();
+                    let text = format!("{waiting} commands wait for their time already (limit `open_requests`)");
                     self.refuse(ticket, error(v1::ErrorCode::Busy, "header.at_time_s", text));
                 } else {
                     self.accept(&mut ticket);
@@ -133,13 +134,15 @@ impl Runner<'_> {
     fn check_room(&self, insertion: &InsertionDescription) -> Result<(), v1::Error> {
         let count = expected_count(self.engine.scene(), insertion);
         if count > self.limits.insertion_particles {
-            let text = format!("about {count} particles, at most {} per command", self.limits.insertion_particles);
+            let most = self.limits.insertion_particles;
+            let text = format!("about {count} particles, at most {most} per command (limit `insertion_particles`)");
             return Err(error(v1::ErrorCode::TooLarge, "placement", text));
         }
         let present = self.engine.len() as u64;
         if present + count > self.limits.particles {
+            let most = self.limits.particles;
             let text =
-                format!("{count} more than the {present} present; at most {} are allowed", self.limits.particles);
+                format!("{count} more than the {present} present; at most {most} are allowed (limit `particles`)");
             return Err(error(v1::ErrorCode::TooLarge, "placement", text));
         }
         Ok(())
@@ -254,7 +257,8 @@ impl Runner<'_> {
         })?;
         let name = definition.name.clone();
         if self.outbox.field(&name).is_none() && self.outbox.fields.len() >= self.limits.fields {
-            let text = format!("{} fields are defined, more are not allowed: drop one", self.limits.fields);
+            let text =
+                format!("{} fields are defined, more are not allowed (limit `fields`): drop one", self.limits.fields);
             return Err(error(v1::ErrorCode::TooLarge, "field", text));
         }
         self.outbox.define_field(definition);

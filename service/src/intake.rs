@@ -169,7 +169,7 @@ impl Queue {
 async fn refuse_all(io: Arc<Io>, mut refused: mpsc::Receiver<Raw>) {
     while let Some(raw) = refused.recv().await {
         let io = Arc::clone(&io);
-        let send = tokio::task::spawn_blocking(move || io.refuse(raw, busy()));
+        let send = tokio::task::spawn_blocking(move || io.refuse(raw, busy("queue_length")));
         drop(send.await);
     }
 }
@@ -180,18 +180,19 @@ async fn read_all(io: Arc<Io>, mut receiver: mpsc::Receiver<Raw>) {
             Ok(permit) => io.take(raw, permit),
             Err(_) if raw.query.is_none() => {
                 let Topic::Command(name) = &raw.topic else { continue };
-                io.announce_refusal(io.refusal(&RequestKey::default(), name, busy()));
+                io.announce_refusal(io.refusal(&RequestKey::default(), name, busy("open_requests")));
             }
             Err(_) => {
                 let io = Arc::clone(&io);
-                drop(tokio::task::spawn_blocking(move || io.refuse(raw, busy())).await);
+                drop(tokio::task::spawn_blocking(move || io.refuse(raw, busy("open_requests"))).await);
             }
         }
     }
 }
 
-fn busy() -> v1::Error {
-    error(v1::ErrorCode::Busy, "", "too many requests are waiting: try again")
+/// The limit that is met, by its setting.
+fn busy(setting: &str) -> v1::Error {
+    error(v1::ErrorCode::Busy, "", format!("too many requests are waiting (limit `{setting}`): try again"))
 }
 
 fn stopping() -> v1::Error {
@@ -228,7 +229,7 @@ impl Io {
         let (sender, receiver) = oneshot::channel();
         match self.mailbox.deliver(Letter::Read(question, sender)) {
             Ok(()) => drop(tokio::spawn(Arc::clone(self).answer_read(raw, receiver, permit))),
-            Err(Undelivered::Full(_)) => self.refuse_later(raw, busy(), permit),
+            Err(Undelivered::Full(_)) => self.refuse_later(raw, busy("queue_length"), permit),
             Err(Undelivered::Closed(_)) => self.refuse_later(raw, stopping(), permit),
         }
     }
@@ -244,7 +245,7 @@ impl Io {
         let (sender, receiver) = oneshot::channel();
         match self.mailbox.deliver(Letter::Command(Box::new(order), sender)) {
             Ok(()) => drop(tokio::spawn(Arc::clone(self).answer_command(raw, (key, verb), receiver, permit))),
-            Err(Undelivered::Full(_)) => self.refuse_command_later(raw, (&key, verb), busy(), permit),
+            Err(Undelivered::Full(_)) => self.refuse_command_later(raw, (&key, verb), busy("queue_length"), permit),
             Err(Undelivered::Closed(_)) => self.refuse_command_later(raw, (&key, verb), stopping(), permit),
         }
     }

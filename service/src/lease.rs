@@ -15,6 +15,8 @@ use crate::runner::{Phase, Runner};
 #[derive(Default)]
 pub struct Clients {
     alive: Mutex<BTreeSet<String>>,
+    /// The holder of the lease, and whether it has vanished since it is, be it for a moment.
+    watched: Mutex<Option<(String, bool)>>,
     changes: AtomicU64,
 }
 
@@ -30,11 +32,31 @@ impl Clients {
             tracing::warn!("{name} is not watched: {most} clients are (limit `clients`)");
         }
         drop(alive);
+        let mut watched = self.watched.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, vanished)) = watched.as_mut().filter(|(watched, _)| watched == name) {
+            *vanished |= !is_alive;
+        }
+        drop(watched);
         self.changes.fetch_add(1, Relaxed);
+    }
+
+    /// Has [`Clients::has_vanished`] tell of this client from now on.
+    fn watch(&self, name: &str) {
+        *self.watched.lock().unwrap_or_else(PoisonError::into_inner) = Some((name.into(), false));
+    }
+
+    /// Whether the watched client has vanished, even if it is there again: it has given up what it waited for.
+    fn has_vanished(&self, name: &str) -> bool {
+        let watched = self.watched.lock().unwrap_or_else(PoisonError::into_inner);
+        watched.as_ref().is_some_and(|(watched, vanished)| watched == name && *vanished)
     }
 
     fn has(&self, name: &str) -> bool {
         self.alive.lock().unwrap_or_else(PoisonError::into_inner).contains(name)
+    }
+
+    fn count(&self) -> usize {
+        self.alive.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
     fn changes(&self) -> u64 {
@@ -73,10 +95,15 @@ impl Runner<'_> {
             return Err(error(v1::ErrorCode::Lease, "", text));
         }
         let checked = self.shared.clients.changes();
+        if self.lease.is_none() {
+            self.shared.clients.watch(client);
+        }
         if !self.shared.clients.has(client) && !self.journal.is_replaying() {
-            let text = format!(
-                "the liveliness token client/{client} is not declared: it is how the loss of this client shows"
-            );
+            let text = if self.shared.clients.count() < self.limits.clients {
+                format!("the liveliness token client/{client} is not declared: it is how the loss of this client shows")
+            } else {
+                format!("{} clients are watched, more cannot be (limit `clients`)", self.limits.clients)
+            };
             return Err(error(v1::ErrorCode::Lease, "header.client_id", text));
         }
         if self.lease.replace(Lease { holder: client.into(), checked }).is_none() {
@@ -102,7 +129,10 @@ impl Runner<'_> {
     pub(crate) fn watch_lease(&mut self) {
         let Some(lease) = &mut self.lease else { return };
         let changes = self.shared.clients.changes();
-        if std::mem::replace(&mut lease.checked, changes) == changes || self.shared.clients.has(&lease.holder) {
+        if std::mem::replace(&mut lease.checked, changes) == changes {
+            return;
+        }
+        if self.shared.clients.has(&lease.holder) && !self.shared.clients.has_vanished(&lease.holder) {
             return;
         }
         let holder = std::mem::take(&mut lease.holder);
@@ -148,6 +178,21 @@ impl Runner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_client_that_was_away_for_a_moment_has_vanished() {
+        let clients = Clients::default();
+        clients.note("a", true, 9);
+        clients.watch("a");
+        clients.note("b", true, 9);
+        clients.note("b", false, 9);
+        assert!(!clients.has_vanished("a"));
+        clients.note("a", false, 9);
+        clients.note("a", true, 9);
+        assert!(clients.has("a") && clients.has_vanished("a"));
+        clients.watch("a");
+        assert!(!clients.has_vanished("a"));
+    }
 
     #[test]
     fn clients_are_noted_up_to_the_limit() {

@@ -34,6 +34,7 @@ mod rewind;
 pub mod runner;
 pub mod scenes;
 pub mod schedule;
+pub mod security;
 mod settle;
 pub mod stages;
 pub mod ticket;

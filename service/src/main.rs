@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         Command::Run(options) => commands::run(&options),
         Command::Check(options) => commands::check(&options),
         Command::Scenes(options) => commands::scenes(&options),
+        Command::Certs(options) => commands::certs(options),
         Command::Inspect(options) => commands::inspect(&options),
         Command::Replay(options) => commands::replay(&options),
         Command::Record(options) => commands::record(&options),

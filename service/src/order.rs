@@ -142,7 +142,8 @@ impl Order {
     pub fn read(verb: Verb, bytes: &[u8], limits: &Limits) -> Result<Self, Refusal> {
         let nobody = RequestKey::default();
         if bytes.len() > limits.message_bytes {
-            let text = format!("{} bytes, at most {} are allowed", bytes.len(), limits.message_bytes);
+            let most = limits.message_bytes;
+            let text = format!("{} bytes, at most {most} are allowed (limit `message_bytes`)", bytes.len());
             return Err(Refusal { key: nobody, error: error(v1::ErrorCode::TooLarge, "", text) });
         }
         let request = Request::decode(verb, bytes).map_err(|problem| {
@@ -291,7 +292,8 @@ fn define_field_body(request: &v1::DefineFieldRequest, limits: &Limits) -> Resul
         .map_err(|problem| error(v1::ErrorCode::InvalidInput, "field.name", problem.to_string()))?;
     let cells = definition.grid.cells.iter().map(|&cells| u64::from(cells)).fold(1, u64::saturating_mul);
     if cells > limits.field_cells {
-        let text = format!("is a grid of {cells} cells, at most {} are allowed", limits.field_cells);
+        let most = limits.field_cells;
+        let text = format!("is a grid of {cells} cells, at most {most} are allowed (limit `field_cells`)");
         return Err(error(v1::ErrorCode::TooLarge, "field.grid", text));
     }
     Ok(Body::DefineField(definition))
@@ -308,7 +310,8 @@ fn check_insertion(insertion: &InsertionDescription, limits: &Limits) -> Result<
         Placement::Random { count, .. } => ("placement.random.count", u64::from(count.unwrap_or(0))),
     };
     if count > limits.insertion_particles {
-        let text = format!("{count} particles, at most {} per command are allowed", limits.insertion_particles);
+        let most = limits.insertion_particles;
+        let text = format!("{count} particles, at most {most} per command are allowed (limit `insertion_particles`)");
         return Err(error(v1::ErrorCode::TooLarge, path, text));
     }
     Ok(())

@@ -138,3 +138,36 @@ fn the_bus_is_refused_with_a_reason() {
 fn the_schema_is_json() {
     assert!(json(&sturz(&["schema"]))["properties"]["scene"].is_object());
 }
+
+#[test]
+fn certificates_are_made_added_and_never_replaced_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let lab = folder.path().join("lab");
+    let certs = |more: &[&str]| sturz(&[&["certs", lab.to_str().unwrap()][..], more].concat());
+    let made = certs(&["--host", "dem.example.org", "--client", "alice:steer"]);
+    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    assert!(
+        stdout(&made).contains("clients/alice") && stdout(&made).contains("ca.key to yourself"),
+        "{}",
+        stdout(&made)
+    );
+    let again = certs(&["--client", "alice:admin"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(stderr(&again).contains("clients/alice is there already: --force"), "{}", stderr(&again));
+    let added = certs(&["--client", "bob:view"]);
+    assert!(stdout(&added).contains("must be started again"), "{}", stdout(&added));
+    let nobody = certs(&["--client", "carol"]);
+    assert_eq!(nobody.status.code(), Some(2));
+    assert!(stderr(&nobody).contains("such as alice:steer"), "{}", stderr(&nobody));
+    let roles = std::fs::read_to_string(lab.join("server/roles.toml")).unwrap();
+    assert!(roles.contains("alice = \"steer\"") && roles.contains("bob = \"view\""), "{roles}");
+
+    let scene = scene_file("certs.toml", &stdout(&sturz(&["scenes", "cube-heap"])));
+    let serve = |more: &[&str]| sturz(&[&["serve", scene.to_str().unwrap(), "--paused"][..], more].concat());
+    let plain = serve(&["--listen", "tcp/127.0.0.1:0", "--tls", lab.to_str().unwrap()]);
+    assert_eq!(plain.status.code(), Some(5));
+    assert!(stderr(&plain).contains("every endpoint must be one of TLS"), "{}", stderr(&plain));
+    let empty = serve(&["--listen", "auto", "--tls", folder.path().to_str().unwrap()]);
+    assert_eq!(empty.status.code(), Some(2));
+    assert!(stderr(&empty).contains("ca.pem is missing"), "{}", stderr(&empty));
+}

@@ -29,7 +29,7 @@ def test_a_slow_reader_gets_the_newest_and_knows_what_it_lost(numbers: set[int],
     frames = stream(keep)
     for seq in seqs:
         frames.receive(frame(seq))
-    frames.end(gone=False)
+    frames.end(None)
     assert list(frames) == seqs[-keep:]
     assert frames.received == len(seqs)
     assert frames.dropped_here == max(len(seqs) - keep, 0)
@@ -67,7 +67,7 @@ def test_waiting_ends_with_a_frame_a_timeout_or_the_end() -> None:
 def test_a_lost_daemon_is_told_after_all_frames_were_read() -> None:
     frames = stream()
     frames.receive(frame(1))
-    frames.end(gone=True)
+    frames.end(sturz.DaemonGone("gone"))
     frames.receive(frame(2))
     assert frames.next_frame() == 1
     with pytest.raises(sturz.DaemonGone):

@@ -1,24 +1,25 @@
 //! The zenoh session with one daemon: questions that get an answer or a reason why not, and subscriptions. Callbacks
 //! of zenoh only enqueue: a call to the bus from inside one can hang.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use prost::Message as _;
 use sturz_protocol::keys::{ALL_ALIVE, Keys};
 use sturz_protocol::v1;
-use zenoh::config::EndPoint;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::qos::CongestionControl;
 use zenoh::query::{ConsolidationMode, Reply};
 use zenoh::sample::{Sample, SampleKind};
-use zenoh::{Config, Session, Wait};
+use zenoh::{Session, Wait};
 use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig, Miss, RecoveryConfig};
 
 use crate::error::{ClientError, Refusal};
+use crate::loss::{Loss, diagnose};
 use crate::queue::{End, Popped, Queue};
+use crate::target::Target;
 use crate::watch::Watch;
 
 /// Longer than any run; zenoh wants a number.
@@ -27,8 +28,8 @@ const NO_LIMIT: Duration = Duration::from_secs(10_000_000);
 const GRACE: Duration = Duration::from_secs(5);
 /// A daemon that goes ends its queries some moments before its liveliness is lost.
 const LAST_MOMENTS: Duration = Duration::from_secs(1);
-/// Between two attempts to connect.
-const RETRY: Duration = Duration::from_millis(50);
+/// For the liveliness token of a daemon that is there, when connecting has taken all the time.
+const LAST_LOOK: Duration = Duration::from_millis(50);
 /// How long to look for other instances.
 const SEARCH: Duration = Duration::from_secs(2);
 
@@ -36,10 +37,12 @@ const SEARCH: Duration = Duration::from_secs(2);
 pub(crate) struct Bus {
     /// Where everything is.
     pub(crate) keys: Keys,
-    /// Where the daemon listens.
-    pub(crate) endpoint: String,
+    /// Where the daemon is.
+    pub(crate) target: Target,
     /// Whether it lives.
     pub(crate) watch: Arc<Watch>,
+    /// Why it is gone, once somebody wanted to know.
+    loss: OnceLock<Loss>,
     _liveliness: Subscriber<()>,
     session: Session,
 }
@@ -61,10 +64,10 @@ pub(crate) enum Subscription {
 
 impl Bus {
     /// Connects, and waits for the instance's liveliness token.
-    pub(crate) fn open(instance: &str, endpoint: &str, patience: Duration) -> Result<Self, ClientError> {
+    pub(crate) fn open(instance: &str, target: &Target, patience: Duration) -> Result<Self, ClientError> {
         let keys = Keys::new(instance)?;
         let deadline = Instant::now() + patience;
-        let session = open_session(endpoint, deadline)?;
+        let session = target.open(deadline)?;
         let watch = Arc::new(Watch::default());
         let heard = {
             let watch = Arc::clone(&watch);
@@ -75,11 +78,18 @@ impl Bus {
         };
         let liveliness = session.liveliness().declare_subscriber(keys.alive()).history(true).callback(heard).wait();
         let liveliness = liveliness.map_err(|error| ClientError::bus("liveliness", error))?;
-        if !watch.wait_until_seen(deadline.saturating_duration_since(Instant::now()).max(RETRY)) {
+        if !watch.wait_until_seen(deadline.saturating_duration_since(Instant::now()).max(LAST_LOOK)) {
             let alive = instances(&session)?;
-            return Err(ClientError::NoSuchInstance { instance: instance.into(), endpoint: endpoint.into(), alive });
+            let (instance, endpoint) = (instance.into(), target.endpoint.clone());
+            // Who may look sees at least the daemon that it is connected to.
+            return Err(match alive.is_empty() && target.tls.is_some() {
+                true => ClientError::NothingToSee { instance, endpoint },
+                false => ClientError::NoSuchInstance { instance, endpoint, alive },
+            });
         }
-        Ok(Self { keys, endpoint: endpoint.into(), watch, _liveliness: liveliness, session })
+        end_session_with_daemon(&session, &watch)?;
+        let (target, loss) = (target.clone(), OnceLock::new());
+        Ok(Self { keys, target, watch, loss, _liveliness: liveliness, session })
     }
 
     /// Of this session, unique on the bus.
@@ -92,9 +102,31 @@ impl Bus {
         self.session.liveliness().declare_token(key).wait().map_err(|error| ClientError::bus(&topic(key), error))
     }
 
-    /// What to say when the daemon is no longer there.
+    /// What to say when the daemon is no longer there. Looks once why, which takes some seconds where it hangs.
     pub(crate) fn gone(&self) -> ClientError {
-        ClientError::DaemonGone { instance: self.keys.instance().into(), endpoint: self.endpoint.clone() }
+        let loss = *self.loss.get_or_init(|| diagnose(&self.target, &self.keys.alive()));
+        let (instance, endpoint) = (self.keys.instance().into(), self.target.endpoint.clone());
+        ClientError::DaemonGone { instance, endpoint, loss }
+    }
+
+    /// What to say when there was no answer. Zenoh's access control denies without a word; who may come in at all may
+    /// ask for `features`, which tell whether there is such control.
+    fn no_answer(&self, what: &str) -> ClientError {
+        let what = what.to_string();
+        let features = self.send_query(&self.keys.features(), None, Some(LAST_MOMENTS)).ok();
+        let answer = features.map(|question| question.answers.pop(Some(Instant::now() + LAST_MOMENTS)));
+        let controls = match answer {
+            Some(Popped::Item(Ok(payload))) => v1::Features::decode(payload.as_slice()).ok(),
+            _ => None,
+        };
+        match controls {
+            Some(features) if features.capabilities.iter().any(|each| each == "access_control") => {
+                ClientError::Denied { what }
+            }
+            Some(_) => ClientError::NoAnswer { what },
+            None if self.watch.wait_until_gone(LAST_MOMENTS) => self.gone(),
+            None => ClientError::NoAnswer { what },
+        }
     }
 
     /// Sends a question; it is on its way, in order with others, when this returns.
@@ -107,6 +139,15 @@ impl Bus {
         if self.watch.is_gone() {
             return Err(self.gone());
         }
+        self.send_query(selector, payload, patience)
+    }
+
+    fn send_query(
+        &self,
+        selector: &str,
+        payload: Option<Vec<u8>>,
+        patience: Option<Duration>,
+    ) -> Result<Question, ClientError> {
         let what = topic(selector);
         let answers = Arc::new(Queue::new(1));
         let receiver = Receiver(Arc::clone(&answers));
@@ -120,7 +161,8 @@ impl Bus {
         if let Some(payload) = payload {
             query = query.payload(payload);
         }
-        query.callback(move |reply| receiver.take(reply)).wait().map_err(|error| ClientError::bus(&what, error))?;
+        let sent = query.callback(move |reply| receiver.take(reply)).wait();
+        sent.map_err(|error| self.failed(&what, error))?;
         self.watch.end_with_daemon(&answers);
         Ok(Question { what, answers })
     }
@@ -134,8 +176,8 @@ impl Bus {
                 Ok(error) => Err(Refusal::new(what, error, None).into()),
                 Err(_) => Err(ClientError::bus(what, String::from_utf8_lossy(&payload))),
             },
-            Popped::Ended if self.watch.wait_until_gone(LAST_MOMENTS) => Err(self.gone()),
-            Popped::Ended => Err(ClientError::NoAnswer { what: what.clone() }),
+            Popped::Ended if self.watch.is_gone() => Err(self.gone()),
+            Popped::Ended => Err(self.no_answer(what)),
             Popped::TimedOut => {
                 Err(ClientError::Timeout { what: what.clone(), after: patience.unwrap_or(NO_LIMIT), request_id: None })
             }
@@ -151,7 +193,7 @@ impl Bus {
         self.check()?;
         let take = move |sample: Sample| receive(sample.payload().to_bytes().into_owned());
         let declared = self.session.declare_subscriber(key).callback(take).wait();
-        declared.map(Subscription::Live).map_err(|error| ClientError::bus(&topic(key), error))
+        declared.map(Subscription::Live).map_err(|error| self.failed(&topic(key), error))
     }
 
     /// The same, with the recent past first; lost payloads are asked for again, and `missed`, which must not wait, is told
@@ -176,12 +218,32 @@ impl Bus {
                 subscriber.sample_miss_listener().callback(told).background().wait()?;
                 Ok(Subscription::WithHistory(subscriber))
             });
-        declared.map_err(|error| ClientError::bus(&topic(key), error))
+        declared.map_err(|error| self.failed(&topic(key), error))
     }
 
-    fn check(&self) -> Result<(), ClientError> {
-        if self.watch.is_gone() { Err(self.gone()) } else { Ok(()) }
+    /// Trouble of zenoh's own, which it also has with a session that was ended because the daemon is gone.
+    fn failed(&self, what: &str, error: zenoh::Error) -> ClientError {
+        if self.watch.is_gone() { self.gone() } else { ClientError::bus(what, error) }
     }
+}
+
+impl Drop for Bus {
+    fn drop(&mut self) {
+        self.watch.leave();
+    }
+}
+
+/// Ends the session when the daemon is lost. Zenoh would connect it again by itself, with its liveliness token, and the
+/// daemon would take this client, which has given up, for one that lives and holds its lease.
+fn end_session_with_daemon(session: &Session, watch: &Arc<Watch>) -> Result<(), ClientError> {
+    let (session, watch) = (session.clone(), Arc::clone(watch));
+    let wait = move || {
+        if watch.wait_for_the_end() {
+            drop(session.close().wait());
+        }
+    };
+    let started = thread::Builder::new().name("sturz-loss".into()).spawn(wait);
+    started.map(drop).map_err(|error| ClientError::bus("thread", error))
 }
 
 /// Puts replies into a queue, and ends it when zenoh drops it: then all replies are there.
@@ -206,38 +268,6 @@ impl Drop for Receiver {
 fn topic(selector: &str) -> String {
     let key = selector.split('?').next().unwrap_or_default();
     key.splitn(4, '/').nth(3).unwrap_or(key).into()
-}
-
-fn open_session(endpoint: &str, deadline: Instant) -> Result<Session, ClientError> {
-    let parsed = endpoint.parse::<EndPoint>();
-    parsed.map_err(|error| ClientError::InvalidEndpoint { endpoint: endpoint.into(), reason: error.to_string() })?;
-    let config = config(endpoint)?;
-    loop {
-        match zenoh::open(config.clone()).wait() {
-            Ok(session) => return Ok(session),
-            // A daemon that was just started may not listen yet.
-            Err(_) if Instant::now() + RETRY < deadline => thread::sleep(RETRY),
-            Err(error) => {
-                return Err(ClientError::NobodyListens { endpoint: endpoint.into(), reason: error.to_string() });
-            }
-        }
-    }
-}
-
-/// Mode client: two peers cannot reach each other through the daemon. Discovery is off: it would find others.
-fn config(endpoint: &str) -> Result<Config, ClientError> {
-    let mut config = Config::default();
-    for (key, json5) in [
-        ("mode", r#""client""#),
-        ("connect/endpoints", &format!("[{endpoint:?}]")),
-        ("connect/exit_on_failure", "true"),
-        ("connect/timeout_ms", "0"),
-        ("scouting/multicast/enabled", "false"),
-        ("scouting/gossip/enabled", "false"),
-    ] {
-        config.insert_json5(key, json5).map_err(|error| ClientError::bus(key, error))?;
-    }
-    Ok(config)
 }
 
 /// Names of those that are alive, sorted.
@@ -266,18 +296,8 @@ mod tests {
     }
 
     #[test]
-    fn discovery_is_off_and_the_mode_is_client() {
-        let config = config("tcp/127.0.0.1:7447").unwrap();
-        assert_eq!(config.get_json("mode").unwrap(), r#""client""#);
-        for key in ["scouting/multicast/enabled", "scouting/gossip/enabled"] {
-            assert_eq!(config.get_json(key).unwrap(), "false");
-        }
-        assert!(config.get_json("connect/endpoints").unwrap().contains("tcp/127.0.0.1:7447"));
-    }
-
-    #[test]
     fn nonsense_is_refused_before_anything_is_tried() {
-        let open = |name, endpoint| Bus::open(name, endpoint, Duration::from_secs(60)).err().unwrap();
+        let open = |name, endpoint| Bus::open(name, &Target::new(endpoint), Duration::from_secs(60)).err().unwrap();
         assert!(matches!(open("a/b", "tcp/127.0.0.1:7447"), ClientError::InvalidName(_)));
         assert!(matches!(open("a", "somewhere"), ClientError::InvalidEndpoint { .. }));
     }
@@ -287,7 +307,7 @@ mod tests {
         // Bound and dropped: the port was free a moment ago.
         let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let endpoint = format!("tcp/127.0.0.1:{port}");
-        let error = Bus::open("a", &endpoint, Duration::from_millis(200)).err().unwrap();
+        let error = Bus::open("a", &Target::new(endpoint.as_str()), Duration::from_millis(200)).err().unwrap();
         assert!(matches!(&error, ClientError::NobodyListens { .. }), "{error}");
         assert!(error.to_string().starts_with(&format!("no daemon listens at {endpoint}: ")), "{error}");
     }

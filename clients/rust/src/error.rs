@@ -1,11 +1,14 @@
 //! What can go wrong between this program and the daemon.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use sturz_protocol::columns::ColumnError;
 use sturz_protocol::keys::InvalidName;
 use sturz_protocol::v1;
 use thiserror::Error;
+
+use crate::loss::Loss;
 
 /// Why there is no answer, or why it is no.
 #[derive(Debug, Error)]
@@ -40,12 +43,50 @@ pub enum ClientError {
         alive: Vec<String>,
     },
     /// It was there, and is no more.
-    #[error("the daemon of {instance:?} has ended, or the connection to {endpoint} broke")]
+    #[error("the daemon of {instance:?} at {endpoint} is gone: {loss}")]
     DaemonGone {
         /// Its name.
         instance: String,
         /// Where it was.
         endpoint: String,
+        /// Why, as far as it can be known.
+        loss: Loss,
+    },
+    /// Somebody listens there, and opens no session.
+    #[error("{endpoint} turns this client away: {}", turned_away_text(*.has_certificate, .endpoint))]
+    TurnedAway {
+        /// Where.
+        endpoint: String,
+        /// Whether this client has shown one.
+        has_certificate: bool,
+    },
+    /// Connections are taken there, and nothing is answered.
+    #[error("{endpoint} takes connections and answers nothing: the daemon hangs, or it is none")]
+    Silent {
+        /// Where.
+        endpoint: String,
+    },
+    /// A session, and not one daemon to be seen.
+    #[error(
+        "{endpoint} shows this client nothing, not even whether {instance:?} is there: the name in its certificate has no role with the daemon (`sturz certs`)"
+    )]
+    NothingToSee {
+        /// As asked for.
+        instance: String,
+        /// Where.
+        endpoint: String,
+    },
+    /// This client may look, and not do that.
+    #[error("{what}: the role of this client does not allow it")]
+    Denied {
+        /// What was asked, such as `cmd/stop`.
+        what: String,
+    },
+    /// No folder of a client.
+    #[error("{} is missing: give the folder of one client, such as lab/clients/alice, which `sturz certs` makes", .path.display())]
+    NoCertificate {
+        /// What is not there.
+        path: PathBuf,
     },
     /// No answer in time. A command may have been applied: the same request with the same id finds out.
     #[error("{what}: nothing came within {} s{}", .after.as_secs_f64(), request_text(.request_id.as_deref()))]
@@ -58,7 +99,7 @@ pub enum ClientError {
         request_id: Option<String>,
     },
     /// The daemon lives, and nobody answers there.
-    #[error("{what}: the daemon gave no answer (it does not know the key, or this client may not ask)")]
+    #[error("{what}: the daemon gave no answer: it does not know the key, or is flooded")]
     NoAnswer {
         /// What was asked.
         what: String,
@@ -143,6 +184,15 @@ impl ClientError {
         }
     }
 
+    /// Whether this client was refused for who it is.
+    pub fn is_denial(&self) -> bool {
+        match self {
+            ClientError::Denied { .. } | ClientError::TurnedAway { .. } | ClientError::NothingToSee { .. } => true,
+            ClientError::DaemonGone { loss, .. } => *loss == Loss::Denied,
+            _ => false,
+        }
+    }
+
     /// An answer that is no such message.
     pub(crate) fn unreadable(what: &str, reason: impl ToString) -> Self {
         ClientError::Unreadable { what: what.into(), reason: reason.to_string() }
@@ -151,6 +201,16 @@ impl ClientError {
     /// Trouble of zenoh's own.
     pub(crate) fn bus(what: &str, reason: impl ToString) -> Self {
         ClientError::Bus { what: what.into(), reason: reason.to_string() }
+    }
+}
+
+fn turned_away_text(has_certificate: bool, endpoint: &str) -> &'static str {
+    match (endpoint.starts_with("tls/"), has_certificate) {
+        (false, _) => "it is no Sturz daemon, or has as many clients as its limit `clients` allows",
+        (true, false) => "it wants a certificate of its authority, and none was given",
+        (true, true) => {
+            "the certificate, or the daemon's, is of another authority, for another host or out of date; or it has as many clients as its limit `clients` allows"
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `state`, `contacts`, `field` | particles, their contacts and fields as arrays |
 //! | `stream`, `output` | frames as the daemon publishes them, and what they are to hold |
 //! | `bus`, `watch`, `queue` | the zenoh session: callbacks enqueue, callers wait |
+//! | `target`, `loss` | where the daemon is, certificates, and why it is gone |
 //!
 //! Units are SI and in the names. Every method may be called from any thread, and blocks until the daemon has
 //! answered; from asynchronous code, call it where blocking is allowed (`tokio::task::spawn_blocking`). What is small
@@ -45,6 +46,7 @@ mod error;
 mod field;
 mod later;
 mod loads;
+mod loss;
 mod outcome;
 mod output;
 mod queue;
@@ -52,6 +54,7 @@ mod request;
 mod simulation;
 mod state;
 mod stream;
+mod target;
 mod watch;
 
 pub use contacts::{Contacts, NO_BOUNDARY, NO_PARTICLE};
@@ -59,6 +62,7 @@ pub use error::{ClientError, Refusal};
 pub use field::{Field, FieldDefinition};
 pub use later::{Later, Pending};
 pub use loads::Loads;
+pub use loss::Loss;
 pub use outcome::{Advanced, Applied, Checkpointed, Inserted, Moment, Removed, Restored, Stepped};
 pub use output::{Output, Pace};
 pub use request::{Amount, FloatType, Insertion, Motion, Placement, Region, Start, Window};
@@ -66,3 +70,4 @@ pub use simulation::{DEFAULT_ENDPOINT, Simulation};
 pub use state::State;
 pub use stream::{Stream, StreamCounts};
 pub use sturz_protocol::{Request, v1};
+pub use target::{Target, Tls};

@@ -16,6 +16,7 @@ use crate::field::Field;
 use crate::request::FloatType;
 use crate::state::State;
 use crate::stream::{Source, Stream};
+use crate::target::Target;
 
 /// Where a daemon listens unless told otherwise.
 pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
@@ -68,12 +69,35 @@ impl Simulation {
     ///
     /// # Errors
     /// [`ClientError::NobodyListens`] or [`ClientError::NoSuchInstance`], which names those that are alive, when it is
-    /// not there within `timeout`.
+    /// not there within `timeout`; [`ClientError::Silent`] when it hangs.
     pub fn connect(name: &str, endpoint: &str, timeout: Duration) -> Result<Self, ClientError> {
-        let bus = Bus::open(name, endpoint, timeout)?;
+        Self::connect_to(name, &Target::new(endpoint), timeout)
+    }
+
+    /// The same with a certificate, or a zenoh configuration of one's own.
+    ///
+    /// # Errors
+    /// Also such for which [`ClientError::is_denial`] holds: [`ClientError::TurnedAway`] without a certificate that the
+    /// daemon accepts, [`ClientError::NothingToSee`] when its name has no role.
+    pub fn connect_to(name: &str, target: &Target, timeout: Duration) -> Result<Self, ClientError> {
+        let bus = Bus::open(name, target, timeout)?;
         let id = format!("rust-{}-{}", std::process::id(), bus.session_id());
         let client = Client { id, requests: AtomicU64::new(1), time_s: Mutex::new(None), token: Mutex::new(None) };
         Ok(Self { bus: Arc::new(bus), client: Arc::new(client), patience: PATIENCE })
+    }
+
+    /// Connects anew after [`ClientError::DaemonGone`], as the same client: a request of before the loss, sent again
+    /// under its id, is not applied twice if the daemon has lived on. Streams must be opened, and the lease acquired,
+    /// again. `info().run_id` tells whether it is still the same run.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::connect_to`]; this connection stays as it is then.
+    pub fn reconnect(&self, timeout: Duration) -> Result<Self, ClientError> {
+        let bus = Bus::open(self.instance(), &self.bus.target, timeout)?;
+        let client = Arc::clone(&self.client);
+        *client.token.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        *client.time_s.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        Ok(Self { bus: Arc::new(bus), client, patience: self.patience })
     }
 
     /// The same connection with another limit (10 s unless told otherwise) for answers to anything that is quick.
@@ -89,7 +113,7 @@ impl Simulation {
 
     /// Where the daemon listens.
     pub fn endpoint(&self) -> &str {
-        &self.bus.endpoint
+        &self.bus.target.endpoint
     }
 
     /// Whether the daemon was lost; nothing but [`ClientError::DaemonGone`] follows.

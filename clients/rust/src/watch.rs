@@ -18,6 +18,8 @@ struct Life {
     /// For good: a daemon that comes back is another run, whose state nobody here knows.
     gone: bool,
     waiting: Vec<Weak<dyn End>>,
+    /// Nobody uses this connection any more.
+    unused: bool,
 }
 
 impl Watch {
@@ -54,6 +56,18 @@ impl Watch {
         life.waiting.retain(|other| other.strong_count() > 0);
         let weak: Weak<Q> = Arc::downgrade(queue);
         life.waiting.push(weak);
+    }
+
+    /// Nobody will use this connection any more.
+    pub(crate) fn leave(&self) {
+        self.lock().unused = true;
+        self.changed.notify_all();
+    }
+
+    /// Waits until the daemon is lost (`true`) or the connection is unused.
+    pub(crate) fn wait_for_the_end(&self) -> bool {
+        let life = self.changed.wait_while(self.lock(), |life| !life.gone && !life.unused);
+        life.unwrap_or_else(PoisonError::into_inner).gone
     }
 
     /// Whether the daemon was lost.

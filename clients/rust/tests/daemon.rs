@@ -282,7 +282,7 @@ fn a_stopped_daemon_is_gone() {
         thread::sleep(Duration::from_millis(5));
     }
     let text = observer.pause().unwrap_err().to_string();
-    assert!(text.starts_with("the daemon of \"stop\" has ended"), "{text}");
+    assert!(text.starts_with("the daemon of \"stop\" at") && text.contains("has ended"), "{text}");
 }
 
 #[test]

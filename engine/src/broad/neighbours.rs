@@ -51,6 +51,8 @@ pub struct NeighbourInputs<'a> {
     pub cell: &'a Cell,
     /// Skin over the harmonic mean of the bounding diameters.
     pub skin_fraction: f64,
+    /// Pairs of parts that may be listed.
+    pub most_pairs: usize,
     /// Laws of contacts that hold beyond the touch, where the scene has such.
     pub bonds: Option<&'a PointLaws>,
     /// Present time, s.
@@ -111,8 +113,9 @@ impl Neighbours {
     }
 
     /// Sorts rows by level and cell, makes the ghosts, and lists all pairs of parts with a gap below the skin: spheres
-    /// in [`Neighbours::sphere_pairs`], the others in `slots`.
-    pub fn rebuild(&mut self, particles: &mut Particles, inputs: &NeighbourInputs<'_>, slots: &mut Vec<Slot>) {
+    /// in [`Neighbours::sphere_pairs`], the others in `slots`. Lists none, and returns `false`, where there are more than
+    /// `inputs.most_pairs`.
+    pub fn rebuild(&mut self, particles: &mut Particles, inputs: &NeighbourInputs<'_>, slots: &mut Vec<Slot>) -> bool {
         particles.drop_ghosts();
         let n = particles.n_owned();
         // Grains are dust to each other's eyes: one of a thousandth among many must not cost them their skin, and a few
@@ -139,8 +142,9 @@ impl Neighbours {
         self.valid = true;
         self.rebuilds += 1;
         let search = Search { particles, inputs, levels: &self.levels, skin: self.skin };
-        search.run(&mut self.found, slots);
+        let all = search.run(&mut self.found, slots);
         self.adjacency.rebuild(particles, slots);
+        all
     }
 
     /// Rows of the listed pairs of spheres, that of the lower id first.

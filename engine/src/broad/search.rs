@@ -1,5 +1,7 @@
 //! All pairs of parts with a gap below the skin.
 
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 use rayon::prelude::*;
 
 use super::levels::Levels;
@@ -35,6 +37,10 @@ impl Found {
         [&self.parts, &self.rounded_parts, &self.features, &self.walls, &self.rounded_walls]
     }
 
+    fn len(&self) -> usize {
+        self.spheres.len() + self.by_kind().iter().map(|slots| slots.len()).sum::<usize>()
+    }
+
     fn clear(&mut self) {
         self.spheres.clear();
         self.parts.clear();
@@ -64,22 +70,36 @@ fn meet_by_features(a: &Part, b: &Part) -> bool {
 }
 
 impl Search<'_> {
-    /// Fills `found` by task, and `slots` grouped by kind, in an order that does not depend on the thread count.
-    pub fn run(&self, found: &mut Vec<Found>, slots: &mut Vec<Slot>) {
+    /// Fills `found` by task, and `slots` grouped by kind, in an order that does not depend on the thread count; with
+    /// nothing, and returns `false`, where there are more pairs than allowed.
+    pub fn run(&self, found: &mut Vec<Found>, slots: &mut Vec<Slot>) -> bool {
         let n = self.particles.n_owned();
         let tasks = n.div_ceil(ROWS);
+        let (counted, most) = (AtomicUsize::new(0), self.inputs.most_pairs);
         found.resize_with(tasks, Found::default);
         found.par_iter_mut().enumerate().with_min_len(least(n, ROWS, 150).div_ceil(ROWS)).for_each(|(task, found)| {
             found.clear();
+            let mut before = 0;
             for row in task * ROWS..((task + 1) * ROWS).min(n) {
                 self.find_partners(row, found);
                 self.find_walls(row, found);
+                // counted while they are found: the list of a heap in one place would not fit into memory
+                let new = found.len() - before;
+                before += new;
+                if counted.fetch_add(new, Relaxed) + new > most {
+                    return;
+                }
             }
         });
         slots.clear();
+        if counted.into_inner() > most {
+            found.iter_mut().for_each(Found::clear);
+            return false;
+        }
         for kind in 0..5 {
             found.iter().for_each(|found| slots.extend_from_slice(found.by_kind()[kind]));
         }
+        true
     }
 
     fn find_partners(&self, row: usize, found: &mut Found) {

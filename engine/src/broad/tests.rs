@@ -50,6 +50,11 @@ impl Cloud {
 
     /// (lower id, higher id) of all listed pairs, once per image; and the skin.
     fn listed(&self) -> (Vec<[u64; 2]>, f64) {
+        self.listed_up_to(usize::MAX).unwrap()
+    }
+
+    /// The same where there are no more than `most_pairs`.
+    fn listed_up_to(&self, most_pairs: usize) -> Option<(Vec<[u64; 2]>, f64)> {
         let shape = Shape::build(&ShapeDescription::Sphere { radius_m: 1.0 }).unwrap();
         let reaches = [ShapeReach::of(&shape)];
         let cell = self.cell();
@@ -63,16 +68,18 @@ impl Cloud {
             cell: &cell,
             bonds: None,
             skin_fraction: SKIN_FRACTION,
+            most_pairs,
             time_s: 0.0,
         };
         let mut particles = self.particles();
         let mut neighbours = Neighbours::default();
         let mut slots = Vec::new();
-        neighbours.rebuild(&mut particles, &inputs, &mut slots);
+        let fits = neighbours.rebuild(&mut particles, &inputs, &mut slots);
         assert!(slots.is_empty());
         let id = |row: u32| particles.ids[particles.owner(row as usize)];
-        let pairs = neighbours.sphere_pairs().flatten().map(|&[a, b]| [id(a), id(b)]).collect();
-        (sorted(pairs), neighbours.skin)
+        let pairs: Vec<[u64; 2]> = neighbours.sphere_pairs().flatten().map(|&[a, b]| [id(a), id(b)]).collect();
+        assert!(fits || pairs.is_empty());
+        fits.then(|| (sorted(pairs), neighbours.skin))
     }
 
     /// The same by looking at all pairs and all images.
@@ -157,4 +164,12 @@ fn dust_does_not_shorten_the_skin_of_grains() {
     let skin = cloud.listed().1;
     cloud.radii[500] = 5e-4;
     assert!(cloud.listed().1 > 0.4 * skin);
+}
+
+#[test]
+fn a_list_that_is_too_long_is_none() {
+    let cloud = Cloud { radii: vec![1.0; 600], places: vec![[0.5; 3]; 600], extent: [0.0; 3] };
+    let pairs = 600 * 599 / 2;
+    assert_eq!(cloud.listed_up_to(pairs).unwrap().0.len(), pairs);
+    assert!(cloud.listed_up_to(pairs - 1).is_none());
 }

@@ -56,6 +56,9 @@ pub struct Record {
     /// A zenoh configuration file to start from
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Folder with the certificate of this client, such as LAB/clients/NAME
+    #[arg(long, value_name = "DIR")]
+    pub tls: Option<PathBuf>,
     /// Print a line `ready {...}` when it listens, and the summary as JSON
     #[arg(long)]
     pub json: bool,
@@ -175,6 +178,9 @@ pub struct Export {
     /// A zenoh configuration file to start from
     #[arg(long, value_name = "FILE", help_heading = "Daemon")]
     pub config: Option<PathBuf>,
+    /// Folder with the certificate of this client, such as LAB/clients/NAME
+    #[arg(long, value_name = "DIR")]
+    pub tls: Option<PathBuf>,
     /// Print what was written as JSON
     #[arg(long)]
     pub json: bool,

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::record::finite;
 use super::run::watch_signals;
 use crate::cli::{self, ExportPart};
-use crate::commands::{Failure, connect, print_json, runtime};
+use crate::commands::{Failure, Place, connect, print_json, runtime};
 use crate::daemon::asked_to_end;
 use crate::export::{
     Choice, ExportError, Exporter, Options, Precision, SceneRun, Written, export_daemon, export_recording, export_scene,
@@ -82,8 +82,8 @@ fn is_recording(source: &str) -> Result<bool, Failure> {
 
 fn from_daemon(options: &cli::Export, wanted: Options) -> Result<Written, Failure> {
     let exporter = runtime()?.block_on(async {
-        let config = options.config.as_deref();
-        let (session, keys) = connect(Some(&options.source), &options.endpoint, config).await.map_err(hint)?;
+        let at = Place { endpoint: &options.endpoint, config: options.config.as_deref(), tls: options.tls.as_deref() };
+        let (session, keys) = connect(Some(&options.source), at).await.map_err(hint)?;
         let exporter = Exporter::new(wanted).map_err(anyhow::Error::from)?;
         let end = asked_to_end(false)?;
         let exporter = export_daemon(&session, &keys, exporter, options.follow, end).await;

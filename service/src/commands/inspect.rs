@@ -13,6 +13,7 @@ use zenoh::Session;
 use crate::cli;
 use crate::commands::{Failure, print_json, runtime};
 use crate::config::Bus;
+use crate::security::folder::Identity;
 
 /// How long to wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -20,7 +21,8 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Shows info and report of a daemon.
 pub fn inspect(options: &cli::Inspect) -> Result<(), Failure> {
     runtime()?.block_on(async {
-        let (session, keys) = connect(options.name.as_deref(), &options.endpoint, options.config.as_deref()).await?;
+        let at = Place { endpoint: &options.endpoint, config: options.config.as_deref(), tls: options.tls.as_deref() };
+        let (session, keys) = connect(options.name.as_deref(), at).await?;
         let info = v1::Info::decode(ask(&session, keys.info()).await?.as_slice());
         let report = v1::Report::decode(ask(&session, keys.report_latest()).await?.as_slice());
         let (info, report) = (info.map_err(anyhow::Error::from)?, report.map_err(anyhow::Error::from)?);
@@ -34,23 +36,42 @@ pub fn inspect(options: &cli::Inspect) -> Result<(), Failure> {
     })
 }
 
+/// Where a daemon is, and how to get in.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<'o> {
+    /// Of the daemon.
+    pub endpoint: &'o str,
+    /// A zenoh configuration file.
+    pub config: Option<&'o Path>,
+    /// Folder of a client's certificate.
+    pub tls: Option<&'o Path>,
+}
+
 /// A session, and the keys of the instance asked for or of the only one alive.
-pub(crate) async fn connect(
-    name: Option<&str>,
-    endpoint: &str,
-    config: Option<&Path>,
-) -> Result<(Session, Keys), Failure> {
-    let bus = Bus { connect: vec![endpoint.into()], file: config.map(Into::into), ..Bus::default() };
+pub(crate) async fn connect(name: Option<&str>, at: Place<'_>) -> Result<(Session, Keys), Failure> {
+    let client_tls = at.tls.map(Identity::of_client).transpose();
+    let client_tls = client_tls.map_err(|error| Failure::Usage(format!("--tls: {error}")))?;
+    let bus = Bus { connect: vec![at.endpoint.into()], file: at.config.map(Into::into), client_tls, ..Bus::default() };
     let session = zenoh::open(bus.client_config()?)
         .await
-        .map_err(|error| Failure::NoDaemon(format!("no daemon listens at {endpoint}: {error}")))?;
-    let instance = choose(&session, name, endpoint).await?;
+        .map_err(|error| Failure::NoDaemon(unreached(at, &error.to_string())))?;
+    let instance = choose(&session, name, at).await?;
     let keys = Keys::new(&instance).map_err(|error| Failure::Usage(error.to_string()))?;
     Ok((session, keys))
 }
 
+fn unreached(at: Place<'_>, reason: &str) -> String {
+    let endpoint = at.endpoint;
+    match (endpoint.starts_with("tls/"), at.tls) {
+        (false, _) => format!("no daemon listens at {endpoint}: {reason}"),
+        (true, None) => format!("{endpoint} wants a certificate (--tls), or no daemon listens there: {reason}"),
+        (true, Some(_)) => format!("{endpoint} does not accept the certificate, or no daemon listens there: {reason}"),
+    }
+}
+
 /// The instance asked for, or the only one alive.
-async fn choose(session: &Session, name: Option<&str>, endpoint: &str) -> Result<String, Failure> {
+async fn choose(session: &Session, name: Option<&str>, at: Place<'_>) -> Result<String, Failure> {
+    let endpoint = at.endpoint;
     let replies = session.liveliness().get(ALL_ALIVE).timeout(PATIENCE).await.map_err(|error| anyhow!(error))?;
     let mut alive = Vec::new();
     while let Ok(reply) = replies.recv_async().await {
@@ -65,6 +86,10 @@ async fn choose(session: &Session, name: Option<&str>, endpoint: &str) -> Result
             Err(Failure::NoDaemon(format!("no instance {name:?} is alive at {endpoint}: there are {list}")))
         }
         (None, [only]) => Ok(only.clone()),
+        (None, []) if at.tls.is_some() => {
+            let text = format!("{endpoint} shows this client nothing: its certificate has no role there");
+            Err(Failure::NoDaemon(text))
+        }
         (None, []) => Err(Failure::NoDaemon(format!("no instance is alive at {endpoint}"))),
         (None, _) => Err(Failure::Usage(format!("which one? There are {list}"))),
     }

@@ -1,5 +1,6 @@
 //! What each command of `sturz` does.
 
+mod certs;
 mod check;
 mod export;
 mod inspect;
@@ -13,10 +14,11 @@ mod table;
 
 use thiserror::Error;
 
+pub use certs::certs;
 pub use check::check;
 pub use export::export;
 pub use inspect::inspect;
-pub(crate) use inspect::{ask, connect};
+pub(crate) use inspect::{Place, ask, connect};
 pub use play::play;
 pub use record::record;
 pub use replay::replay;

@@ -17,7 +17,7 @@ pub fn play(options: cli::Play) -> Result<(), Failure> {
     } else {
         options.listen
     };
-    let bus = Bus { listen, connect: options.connect, file: options.config };
+    let bus = Bus { listen, connect: options.connect, file: options.config, ..Bus::default() };
     bus.check_exposure(options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
     let (json, paused) = (options.json, options.paused);
     let options = Options {

@@ -7,7 +7,7 @@ use serde_json::json;
 use sturz_protocol::keys::Keys;
 
 use crate::cli::{self, RecordTopic};
-use crate::commands::{Failure, connect, print_json, runtime};
+use crate::commands::{Failure, Place, connect, print_json, runtime};
 use crate::daemon::asked_to_end;
 use crate::record::{self, Options, Streams, Summary};
 
@@ -29,7 +29,8 @@ pub fn record(options: &cli::Record) -> Result<(), Failure> {
         until_sim_s: options.until_sim.map(|time_s| finite(time_s, "--until-sim")).transpose()?,
     };
     let summary = runtime()?.block_on(async {
-        let (session, keys) = connect(options.name.as_deref(), &options.endpoint, options.config.as_deref()).await?;
+        let at = Place { endpoint: &options.endpoint, config: options.config.as_deref(), tls: options.tls.as_deref() };
+        let (session, keys) = connect(options.name.as_deref(), at).await?;
         let end = asked_to_end(false)?;
         let summary = record::record(&session, &keys, &recording, end, || announce(options, &keys)).await;
         let summary = summary.map_err(Failure::from_any)?;

@@ -1,13 +1,15 @@
 //! `sturz serve`
 
+use std::path::Path;
 use std::time::Duration;
 
 use crate::cli;
 use crate::commands::{Failure, runtime};
-use crate::config::{Bus, DEFAULT_LISTEN, Limits};
+use crate::config::{Bus, DEFAULT_LISTEN, DEFAULT_LISTEN_TLS, Limits, ServerTls};
 use crate::daemon::{self, KeptRun, Options, Ready, Restore, ServeError};
 use crate::journal::Folder;
 use crate::scenes;
+use crate::security::folder;
 
 /// Between snapshots unless told otherwise: what a resumed run does again at most, apart from the log's commands.
 const SNAPSHOT_EVERY: Duration = Duration::from_secs(60);
@@ -27,15 +29,19 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
     };
     let instance = options.name.unwrap_or(given_name);
     sturz_protocol::keys::check_name(&instance).map_err(|error| Failure::Usage(format!("--name: {error}")))?;
-    // A configuration file says where to listen, unless the command line does.
-    let listen = if options.listen.is_empty() && options.config.is_none() {
-        vec![DEFAULT_LISTEN.into()]
-    } else {
-        options.listen
-    };
-    let bus = Bus { listen, connect: options.connect, file: options.config };
-    bus.check_exposure(options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
     let limits = Limits::load(options.limits.as_deref()).map_err(|error| Failure::Usage(format!("{error:#}")))?;
+    let tls = options.tls.as_deref().map(|folder| ServerTls::open(folder, &instance)).transpose();
+    let tls = tls.map_err(|error| Failure::Usage(format!("--tls: {error}")))?;
+    // A configuration file says where to listen, unless the command line does.
+    let listen = match (&tls, options.listen.is_empty() && options.config.is_none()) {
+        (None, true) => vec![DEFAULT_LISTEN.into()],
+        (Some(_), true) => vec![DEFAULT_LISTEN_TLS.into()],
+        (_, false) => options.listen,
+    };
+    let most_clients = Some(limits.clients);
+    let bus = Bus { listen, connect: options.connect, file: options.config, tls, most_clients, client_tls: None };
+    bus.check_exposure(options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
+    let clients_tls = options.tls.as_ref().map(|folder| folder.join(folder::CLIENTS).join("NAME"));
     let checkpoint_every = options.checkpoint_every.map(interval).transpose()?;
     let restore = options.restore.map(start).transpose()?;
     let (fsync, keep) = (options.journal_fsync, options.journal_keep);
@@ -60,7 +66,7 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
         journal,
         stop_on_stdin_eof: options.stop_on_stdin_eof,
     };
-    let ready = |ready: &Ready| announce(ready, paused, json);
+    let ready = |ready: &Ready| announce(ready, paused, json, clients_tls.as_deref());
     runtime()?.block_on(daemon::serve(scene, options, ready)).map_err(|error| match error {
         ServeError::Other(error) => Failure::Other(error),
         refused => Failure::Bus(refused.to_string()),
@@ -80,7 +86,7 @@ fn start(token: String) -> Result<Restore, Failure> {
     Ok(Restore::Token(token))
 }
 
-fn announce(ready: &Ready, paused: bool, json: bool) {
+fn announce(ready: &Ready, paused: bool, json: bool, tls: Option<&Path>) {
     if json {
         let text = serde_json::to_string(ready).unwrap_or_default();
         println!("ready {text}");
@@ -88,6 +94,7 @@ fn announce(ready: &Ready, paused: bool, json: bool) {
     }
     let state = if paused { "paused: it waits for commands" } else { "running" };
     println!("{} is served at {}, {state}", ready.instance, ready.endpoint);
-    println!("in Python:  sturz.connect(\"{}\", endpoint=\"{}\")", ready.instance, ready.endpoint);
+    let tls = tls.map_or_else(String::new, |folder| format!(", tls=\"{}\"", folder.display()));
+    println!("in Python:  sturz.connect(\"{}\", endpoint=\"{}\"{tls})", ready.instance, ready.endpoint);
     println!("Ctrl-C ends it");
 }

@@ -9,7 +9,7 @@ use anyhow::{Context as _, anyhow};
 use prost::Message as _;
 use sturz_engine::fields::FieldDefinition;
 use sturz_engine::scene::Scene;
-use sturz_engine::{Engine, Snapshot, StepError};
+use sturz_engine::{ContactColumn, ContactNetwork, Engine, FloatType, ParticleColumn, Snapshot, StepError};
 use sturz_protocol::convert::{contacts_to_wire, field_to_wire, frame_to_wire};
 use sturz_protocol::keys::Keys;
 use sturz_protocol::v1;
@@ -231,7 +231,7 @@ fn write_state(
         let mut network = ContactNetwork::default();
         engine.contact_network(&mut network);
         let v1::ContactFrame { header, n, columns } =
-            contacts_to_wire(&network, &ContactColumn::ALL, FloatType::F64, v1::Header::default());
+            contacts_to_wire(&network, &ContactColumn::usual(), FloatType::F64, v1::Header::default());
         exporter.contacts(&v1::Frame { header, n, columns, ..v1::Frame::default() })?;
     }
     Ok(())

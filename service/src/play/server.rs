@@ -19,9 +19,9 @@ use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig, Mis
 
 use super::pace::{Mode, Speed};
 use super::player::Stage;
+use crate::events::{TOPICS, outcome_event};
 use crate::intake::encoding;
 use crate::order::{RequestKey, error};
-use crate::events::{TOPICS, outcome_event};
 use crate::publish::EVENT_HEARTBEAT;
 use crate::ticket::outcome;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use prost::Message as _;
+use sturz_engine::FloatType;
 use sturz_protocol::columns;
-use sturz_protocol::convert::FloatType;
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1;
 use zenoh::bytes::ZBytes;

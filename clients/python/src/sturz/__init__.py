@@ -11,8 +11,13 @@ Units are SI and in the names; angles are in radians. Pictures are in `sturz.plo
 
 from .contacts import NO_BOUNDARY, NO_PARTICLE, ContactKind, Contacts
 from .errors import (
+    AccessDenied,
     CommandError,
+    DaemonDenied,
+    DaemonDied,
     DaemonGone,
+    DaemonHung,
+    DaemonUnreachable,
     ErrorCode,
     LaunchFailed,
     NoAnswer,
@@ -46,12 +51,14 @@ from .status import (
     WarningKind,
 )
 from .stream import Stream
+from .target import Tls
 
 __version__ = "0.1.0"
 
 __all__ = [
     "NO_BOUNDARY",
     "NO_PARTICLE",
+    "AccessDenied",
     "Advanced",
     "Boundary",
     "BoundaryState",
@@ -64,7 +71,11 @@ __all__ = [
     "Contacts",
     "CouplingError",
     "Cylinder",
+    "DaemonDenied",
+    "DaemonDied",
     "DaemonGone",
+    "DaemonHung",
+    "DaemonUnreachable",
     "Domain",
     "EnergyBalance",
     "ErrorCode",
@@ -98,6 +109,7 @@ __all__ = [
     "SturzError",
     "Timeout",
     "WarningKind",
+    "Tls",
     "connect",
     "launch",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import atexit
-import json
+import contextlib
 import queue
 import threading
 import time
@@ -14,7 +14,21 @@ import zenoh
 import zenoh.ext
 
 from ._proto.sturz.v1 import command_pb2 as pb
-from .errors import CommandError, DaemonGone, ErrorCode, NoAnswer, NotConnected, Timeout
+from ._proto.sturz.v1 import status_pb2
+from .errors import (
+    AccessDenied,
+    CommandError,
+    DaemonDenied,
+    DaemonDied,
+    DaemonGone,
+    DaemonHung,
+    DaemonUnreachable,
+    ErrorCode,
+    NoAnswer,
+    NotConnected,
+    Timeout,
+)
+from .target import Loss, Target
 
 # Longer than any run; zenoh wants a number.
 _NO_LIMIT_S = 1e7
@@ -24,51 +38,46 @@ _GONE = "gone"
 _END = "end"
 
 
-def _open(endpoint: str, timeout_s: float) -> zenoh.Session:
-    zenoh.init_log_from_env_or("off")
-    config = zenoh.Config()
-    # Two peers cannot reach each other through the daemon; a client can.
-    for key, value in {
-        "mode": "client",
-        "connect/endpoints": [endpoint],
-        "connect/timeout_ms": 0,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-    }.items():
-        config.insert_json5(key, json.dumps(value))
-    deadline = time.monotonic() + timeout_s
-    while True:
-        try:
-            return zenoh.open(config)
-        except zenoh.ZError as error:
-            if time.monotonic() >= deadline:
-                raise NotConnected(f"no daemon listens at {endpoint}") from error
-            time.sleep(0.05)
+_LOSSES: dict[Loss, type[DaemonGone]] = {
+    Loss.DIED: DaemonDied,
+    Loss.HUNG: DaemonHung,
+    Loss.UNREACHABLE: DaemonUnreachable,
+    Loss.DENIED: DaemonDenied,
+    Loss.BROKEN: DaemonGone,
+}
 
 
 class Bus:
     """One session with one daemon."""
 
-    def __init__(self, *, endpoint: str, instance: str, timeout_s: float) -> None:
+    def __init__(self, *, target: Target, instance: str, timeout_s: float) -> None:
         self.root = f"sturz/v1/{instance}"
         self.instance = instance
-        self.endpoint = endpoint
+        self.target = target
+        self.endpoint = endpoint = target.endpoint
+        self.loss = Loss.DIED
         self._lock = threading.Lock()
         self._waiting: set[queue.SimpleQueue[Any]] = set()
-        self._on_end: list[Callable[[bool], None]] = []
+        self._on_end: list[Callable[[DaemonGone | None], None]] = []
         self._alive = threading.Event()
         self._farewell: threading.Timer | None = None
         self._callbacks = 0
         self._let_go = threading.Condition()
         self.gone = False
         self.closed = False
-        self._session = _open(endpoint, timeout_s)
+        self._session = target.open(timeout_s)
         atexit.register(self.close)
         alive = f"{self.root}/alive"
         self._watch = self._session.liveliness().declare_subscriber(alive, self._callback(self._heard), history=True)
         if not self._alive.wait(timeout_s):
             others = self._instances()
             self.close()
+            if not others and target.tls is not None:
+                # Who may look sees at least the daemon that it is connected to.
+                raise AccessDenied(
+                    f"{endpoint} shows this client nothing, not even whether {instance!r} is there: the name in its "
+                    "certificate has no role with the daemon (`sturz certs`)"
+                )
             there = f"; there are {', '.join(others)}" if others else ""
             raise NotConnected(f"no simulation {instance!r} is alive at {endpoint}{there}")
 
@@ -101,9 +110,25 @@ class Bus:
             if self.closed or self._farewell is not None:
                 return
             # The loss overtakes the last answers and events of a daemon that ends in good order: they come first.
-            self._farewell = threading.Timer(_LAST_WORDS_S, self.mark_gone)
-            self._farewell.daemon = True
-            self._farewell.start()
+            farewell = threading.Timer(_LAST_WORDS_S, self._find_loss)
+            farewell.daemon = True
+            farewell.start()
+            # Not before: others may join what is seen here.
+            self._farewell = farewell
+
+    def _find_loss(self) -> None:
+        # Zenoh would connect this session again by itself, with its liveliness token, and the daemon would take this
+        # client, which gives up, for one that lives and holds its lease.
+        self._session.close()  # type: ignore[no-untyped-call]
+        self.loss = self.target.diagnose(f"{self.root}/alive")
+        self.mark_gone()
+
+    def lost(self, what: str = "") -> DaemonGone:
+        """What to raise when the daemon is gone: why, as far as that is known."""
+        prefix = f"{what}: " if what else ""
+        return _LOSSES[self.loss](
+            f"{prefix}the daemon of {self.instance!r} at {self.endpoint} is gone: {self.loss.value}"
+        )
 
     def mark_gone(self) -> None:
         """Wakes whoever waits: nobody will answer any more."""
@@ -115,7 +140,7 @@ class Bus:
         for answers in waiting:
             answers.put(_GONE)
         for listener in listeners:
-            listener(True)
+            listener(self.lost())
 
     def declare_token(self, key: str) -> Any:
         """A liveliness token under the instance, which vanishes with this session; `undeclare` takes it back."""
@@ -139,7 +164,7 @@ class Bus:
         for answers in waiting:
             answers.put(_GONE)
         for listener in listeners:
-            listener(False)
+            listener(None)
         self._session.close()  # type: ignore[no-untyped-call]
         # A thread of the bus that calls into an interpreter that is ending aborts the process.
         with self._let_go:
@@ -151,7 +176,7 @@ class Bus:
         if self.closed:
             raise NotConnected(f"the simulation {self.instance!r} was closed")
         if self.gone:
-            raise DaemonGone(f"the daemon of {self.instance!r} has ended, or the connection to {self.endpoint} broke")
+            raise self.lost()
 
     def ask(
         self,
@@ -166,7 +191,8 @@ class Bus:
         Raises:
             CommandError: the daemon answered with an error.
             Timeout: no answer within `timeout_s`.
-            DaemonGone: the daemon ended meanwhile.
+            DaemonGone: the daemon was lost meanwhile.
+            AccessDenied: the role of this client does not allow it.
         """
         answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
         with self._lock:
@@ -174,15 +200,19 @@ class Bus:
         try:
             self.check()
             deadline = None if timeout_s is None else time.monotonic() + timeout_s
-            self._session.get(
-                f"{self.root}/{key}",
-                self._callback(answers.put, lambda: answers.put(_END)),
-                payload=payload,
-                timeout=_NO_LIMIT_S if timeout_s is None else timeout_s + 5.0,
-                consolidation=zenoh.ConsolidationMode.NONE,
-                congestion_control=zenoh.CongestionControl.BLOCK,
-                express=True,
-            )
+            try:
+                self._session.get(
+                    f"{self.root}/{key}",
+                    self._callback(answers.put, lambda: answers.put(_END)),
+                    payload=payload,
+                    timeout=_NO_LIMIT_S if timeout_s is None else timeout_s + 5.0,
+                    consolidation=zenoh.ConsolidationMode.NONE,
+                    congestion_control=zenoh.CongestionControl.BLOCK,
+                    express=True,
+                )
+            except zenoh.ZError:
+                self._wait_for_loss()
+                raise
             if sent is not None:
                 sent()
             return self._answer(key, answers, deadline, timeout_s)
@@ -198,18 +228,37 @@ class Bus:
         except queue.Empty:
             raise Timeout(f"{key}: no answer within {timeout_s:g} s") from None
         if answer is _END:
-            # A daemon that goes ends the query some moments before its liveliness is lost.
-            end = time.monotonic() + 1.0
-            while not self.gone and time.monotonic() < end:
-                time.sleep(0.01)
-            self.check()
-            raise NoAnswer(f"{key}: the daemon gave no answer: it does not know the key, is flooded, or denies access")
+            raise self._no_answer(key)
         if answer is _GONE:
             self.check()
-            raise DaemonGone(f"{key}: the daemon ended before it answered")
+            raise self.lost(key)
         if answer.ok is not None:
             return bytes(answer.ok.payload.to_bytes())
         raise _refusal(key, bytes(answer.err.payload.to_bytes()))
+
+    def _no_answer(self, key: str) -> Exception:
+        """Why a question ended without an answer. Zenoh's access control denies without a word; who may come in at all
+        may ask for `features`, which tell whether there is such control."""
+        answers: list[Any] = []
+        self._wait_for_loss(0.0)
+        with contextlib.suppress(zenoh.ZError):
+            answers = [reply.ok for reply in self._session.get(f"{self.root}/features", timeout=1.0) if reply.ok]
+        if not answers:
+            # A daemon that goes ends the query some moments before its liveliness is lost.
+            self._wait_for_loss()
+        elif "access_control" in status_pb2.Features.FromString(bytes(answers[0].payload.to_bytes())).capabilities:
+            return AccessDenied(f"{key}: the role of this client does not allow it")
+        return NoAnswer(f"{key}: the daemon gave no answer: it does not know the key, or is flooded")
+
+    def _wait_for_loss(self, timeout_s: float = 1.0) -> None:
+        """Raises when the daemon is gone, or is going within the time."""
+        end = time.monotonic() + timeout_s
+        while self._farewell is None and not self.gone and time.monotonic() < end:
+            time.sleep(0.01)
+        farewell = self._farewell
+        if farewell is not None:
+            farewell.join()
+        self.check()
 
     def subscribe(
         self, key: str, receive: Callable[[bytes], None], *, missed: Callable[[int], None] | None = None
@@ -243,14 +292,15 @@ class Bus:
             return stop
         return self._session.declare_subscriber(expression, callback).undeclare
 
-    def when_ended(self, listener: Callable[[bool], None]) -> Callable[[], None]:
-        """Calls `listener(gone)` once when the daemon is gone or the session is closed; returns how to stop that."""
+    def when_ended(self, listener: Callable[[DaemonGone | None], None]) -> Callable[[], None]:
+        """Calls `listener` once, with the error when the daemon is gone and without when the session is closed; returns
+        how to stop that."""
         with self._lock:
             over, gone = self.closed or self.gone, self.gone
             if not over:
                 self._on_end.append(listener)
         if over:
-            listener(gone)
+            listener(self.lost() if gone else None)
 
         def forget() -> None:
             with self._lock:

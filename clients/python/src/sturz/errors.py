@@ -44,8 +44,31 @@ class NotConnected(SturzError):
     """No daemon was reached at the endpoint, or the simulation was closed."""
 
 
+class AccessDenied(SturzError):
+    """This client may not come in, or may not do that: its certificate or its role does not allow it."""
+
+
 class DaemonGone(SturzError):
-    """The daemon ended, or the connection to it broke."""
+    """The daemon ended, or the connection to it broke; `Simulation.reconnect` goes on where it still or again lives.
+
+    Where more is known, one of the classes below is raised.
+    """
+
+
+class DaemonDied(DaemonGone):
+    """The daemon has ended or was killed: nobody listens there any more, or who does does not know it."""
+
+
+class DaemonHung(DaemonGone):
+    """The daemon's machine takes connections for it, and it answers nothing: it is stopped, or swamped."""
+
+
+class DaemonUnreachable(DaemonGone):
+    """The daemon's machine cannot be reached."""
+
+
+class DaemonDenied(DaemonGone, AccessDenied):
+    """The daemon lives, and does not let this client in any more, such as when its certificate has run out."""
 
 
 class Timeout(SturzError, TimeoutError):
@@ -53,7 +76,7 @@ class Timeout(SturzError, TimeoutError):
 
 
 class NoAnswer(SturzError):
-    """The daemon lives, and nobody answers this key: it does not know it, or this client may not ask."""
+    """The daemon lives, and nobody answers this key: it does not know it, or is flooded."""
 
 
 class ProtocolError(SturzError):

@@ -32,6 +32,7 @@ from .progress import ProgressBar, wanted
 from .state import Shape, State
 from .status import Checkpoint, Event, Features, Info, Report
 from .stream import Stream
+from .target import Target, Tls
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 StopReason = Literal["unspecified", "complete", "paused", "stopped", "lease_lost"]
@@ -154,24 +155,38 @@ def launch(
         binary=binary,
     )
     try:
-        return Simulation(Bus(endpoint=daemon.endpoint, instance=daemon.instance, timeout_s=timeout_s), daemon=daemon)
+        target = Target(daemon.endpoint)
+        return Simulation(Bus(target=target, instance=daemon.instance, timeout_s=timeout_s), daemon=daemon)
     except BaseException:
         daemon.close()
         raise
 
 
-def connect(name: str, *, endpoint: str = DEFAULT_ENDPOINT, timeout_s: float = 5.0) -> Simulation:
+def connect(
+    name: str,
+    *,
+    endpoint: str = DEFAULT_ENDPOINT,
+    tls: str | os.PathLike[str] | Tls | None = None,
+    config: str | os.PathLike[str] | None = None,
+    timeout_s: float = 5.0,
+) -> Simulation:
     """Connects to a daemon that is there already. Closing the simulation leaves it running.
 
     Args:
         name: instance on the bus.
         endpoint: where the daemon listens.
+        tls: for an endpoint such as ``tls/host:7447``: the folder with the certificate of this client, such as
+            ``lab/clients/alice``, or the three files of it.
+        config: a zenoh configuration file to start from.
         timeout_s: until one is there.
 
     Raises:
         NotConnected: nobody listens there, or no instance of that name is alive.
+        AccessDenied: the daemon does not accept the certificate, or its name has no role there.
     """
-    return Simulation(Bus(endpoint=endpoint, instance=name, timeout_s=timeout_s))
+    certificates = Tls.from_folder(tls) if isinstance(tls, str | os.PathLike) else tls
+    target = Target(endpoint, certificates, None if config is None else Path(config))
+    return Simulation(Bus(target=target, instance=name, timeout_s=timeout_s))
 
 
 class Simulation:
@@ -900,6 +915,29 @@ class Simulation:
         return stream
 
     # The end.
+
+    def reconnect(self, *, timeout_s: float = 5.0) -> Info:
+        """Connects anew after `DaemonGone`, as the same client.
+
+        A request of before the loss, sent again under its id, is not applied twice if the daemon has lived on. Streams
+        have ended and must be opened again; the lease was lost and must be acquired again. The `run_id` of what is
+        returned tells whether it is still the same run.
+
+        Raises:
+            NotConnected: the daemon is not there again within `timeout_s`; this object stays as it is.
+            AccessDenied: it is, and does not let this client in.
+        """
+        bus = Bus(target=self._bus.target, instance=self.instance, timeout_s=timeout_s)
+        with self._lock:
+            streams, self._streams = self._streams, []
+            old, self._bus = self._bus, bus
+            self._time_s = None
+            self._token = None
+        for stream in streams:
+            with contextlib.suppress(DaemonGone):
+                stream.close()
+        old.close()
+        return self.info()
 
     def stop(self) -> None:
         """Ends the daemon, whoever started it, and closes this simulation."""

@@ -266,7 +266,8 @@ class Info:
 @dataclass(frozen=True)
 class Limits:
     """What the daemon refuses to exceed: bytes of a request, particles, requests waiting and remembered, fields,
-    checkpoints in memory (and their bytes together) and on disk, clients whose liveliness is watched."""
+    checkpoints in memory (and their bytes together) and on disk, sessions of clients, candidate pairs, requests not yet
+    answered."""
 
     message_bytes: int
     insertion_particles: int
@@ -279,6 +280,8 @@ class Limits:
     checkpoint_bytes: int
     checkpoint_files: int
     clients: int
+    pairs: int
+    open_requests: int
 
 
 @dataclass(frozen=True)

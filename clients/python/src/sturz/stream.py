@@ -101,10 +101,10 @@ class Stream(Generic[T]):
             self._ended = True
             self._changed.notify_all()
 
-    def end(self, gone: bool) -> None:
-        """Ends the stream; the reader gets `DaemonGone` when the daemon is."""
-        if gone:
-            self.fail(DaemonGone(f"{self.name}: the daemon ended, or the connection broke"))
+    def end(self, lost: DaemonGone | None) -> None:
+        """Ends the stream; the reader gets the error when there is one."""
+        if lost is not None:
+            self.fail(lost)
             return
         with self._changed:
             self._ended = True

@@ -42,6 +42,37 @@ pub struct Daemon {
     pub instance: String,
 }
 
+/// An empty scene.
+pub fn scene() -> &'static str {
+    SCENE
+}
+
+/// A fresh folder of a test's own.
+pub fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}", std::process::id()));
+    drop(fs::remove_dir_all(&folder));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Sends a process a signal such as `STOP`.
+pub fn signal(pid: u32, name: &str) {
+    let status = Command::new("kill").args([&format!("-{name}"), &pid.to_string()]).status().unwrap();
+    assert!(status.success(), "kill -{name} {pid}");
+}
+
+/// A zenoh configuration file by which the other side gives this one up after a second of silence.
+pub fn short_lease(folder: &Path) -> PathBuf {
+    let path = folder.join("lease.json5");
+    fs::write(&path, "{ transport: { link: { tx: { lease: 1000 } } } }").unwrap();
+    path
+}
+
+/// Runs `sturz` to its end.
+pub fn sturz(arguments: &[&str]) -> std::process::Output {
+    Command::new(binary()).args(arguments).stdin(Stdio::null()).output().unwrap()
+}
+
 /// The program.
 pub fn binary() -> PathBuf {
     let built = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/release/sturz");
@@ -62,13 +93,18 @@ impl Daemon {
 
     /// Serves a scene, paused, under this name; `more` goes to the command line.
     pub fn serve(name: &str, scene_text: &str, more: &[&str]) -> Self {
+        Self::serve_at(name, "tcp/127.0.0.1:0", scene_text, more)
+    }
+
+    /// The same at this endpoint.
+    pub fn serve_at(name: &str, listen: &str, scene_text: &str, more: &[&str]) -> Self {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let scene = folder.join("scene.toml");
         fs::write(&scene, scene_text).unwrap();
         let mut command = Command::new(binary());
         command.arg("serve").arg(&scene).args(["--name", name, "--paused"]).args(more);
-        Self::spawn(command, folder)
+        Self::spawn_at(command, listen, folder)
     }
 
     /// Goes on with the run of a journal.
@@ -80,9 +116,14 @@ impl Daemon {
     }
 
     /// Starts what serves, and waits until it does.
-    pub fn spawn(mut command: Command, folder: PathBuf) -> Self {
+    pub fn spawn(command: Command, folder: PathBuf) -> Self {
+        Self::spawn_at(command, "tcp/127.0.0.1:0", folder)
+    }
+
+    /// The same at this endpoint.
+    pub fn spawn_at(mut command: Command, listen: &str, folder: PathBuf) -> Self {
         let mut process = command
-            .args(["--listen", "tcp/127.0.0.1:0", "--stop-on-stdin-eof", "--json"])
+            .args(["--listen", listen, "--stop-on-stdin-eof", "--json"])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

@@ -230,7 +230,7 @@ class Features(_message.Message):
     def __init__(self, commands: _Optional[_Iterable[str]] = ..., columns: _Optional[_Iterable[str]] = ..., field_quantities: _Optional[_Iterable[str]] = ..., capabilities: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., scene_schema_json: _Optional[str] = ..., contact_columns: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class Limits(_message.Message):
-    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files", "clients")
+    __slots__ = ("message_bytes", "insertion_particles", "particles", "queue_length", "remembered_requests", "fields", "field_cells", "checkpoints", "checkpoint_bytes", "checkpoint_files", "clients", "pairs", "open_requests")
     MESSAGE_BYTES_FIELD_NUMBER: _ClassVar[int]
     INSERTION_PARTICLES_FIELD_NUMBER: _ClassVar[int]
     PARTICLES_FIELD_NUMBER: _ClassVar[int]
@@ -242,6 +242,8 @@ class Limits(_message.Message):
     CHECKPOINT_BYTES_FIELD_NUMBER: _ClassVar[int]
     CHECKPOINT_FILES_FIELD_NUMBER: _ClassVar[int]
     CLIENTS_FIELD_NUMBER: _ClassVar[int]
+    PAIRS_FIELD_NUMBER: _ClassVar[int]
+    OPEN_REQUESTS_FIELD_NUMBER: _ClassVar[int]
     message_bytes: int
     insertion_particles: int
     particles: int
@@ -253,7 +255,9 @@ class Limits(_message.Message):
     checkpoint_bytes: int
     checkpoint_files: int
     clients: int
-    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ..., checkpoints: _Optional[int] = ..., checkpoint_bytes: _Optional[int] = ..., checkpoint_files: _Optional[int] = ..., clients: _Optional[int] = ...) -> None: ...
+    pairs: int
+    open_requests: int
+    def __init__(self, message_bytes: _Optional[int] = ..., insertion_particles: _Optional[int] = ..., particles: _Optional[int] = ..., queue_length: _Optional[int] = ..., remembered_requests: _Optional[int] = ..., fields: _Optional[int] = ..., field_cells: _Optional[int] = ..., checkpoints: _Optional[int] = ..., checkpoint_bytes: _Optional[int] = ..., checkpoint_files: _Optional[int] = ..., clients: _Optional[int] = ..., pairs: _Optional[int] = ..., open_requests: _Optional[int] = ...) -> None: ...
 
 class Plan(_message.Message):
     __slots__ = ("lines",)
