@@ -113,7 +113,7 @@ impl Checkpoints {
         let kept = self.entries.iter_mut().filter(|(_, entry)| entry.checkpoint.on_disk);
         let mut missing = Vec::new();
         for (token, entry) in kept {
-            let is_there = self.found.iter().any(|found| *found == entry.checkpoint);
+            let is_there = self.found.contains(&entry.checkpoint);
             match entry.bytes.take() {
                 Some(bytes) if !is_there => missing.push((token.clone(), bytes)),
                 _ => {}

@@ -152,14 +152,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let (more_events, last) = oneshot::channel::<()>();
     let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard, last);
     let stop_on_stdin_eof = options.stop_on_stdin_eof;
-    let kept = options.journal.as_ref().map(|kept| kept.folder.checkpoints());
-    let files = options.checkpoints.clone().or(kept);
-    let archive = files.as_deref().map(|folder| Archive::open(folder, letters.clone())).transpose()?;
-    let checkpoints = Checkpoints::new(archive);
-    let mut engine = Engine::new(scene);
-    if let Some(restore) = &options.restore {
-        go_to(&mut engine, &checkpoints, restore)?;
-    }
+    let (engine, checkpoints) = start_state(scene, &options, letters.clone())?;
     let started = start_physics(
         engine,
         options,
@@ -245,6 +238,19 @@ pub(crate) async fn describe(session: &Session, keys: &Keys, run_id: String) -> 
         run_id,
         pid: std::process::id(),
     }
+}
+
+/// The engine where it is to start, and what is saved.
+fn start_state(scene: Scene, options: &Options, letters: Mailbox) -> anyhow::Result<(Engine, Checkpoints)> {
+    let kept = options.journal.as_ref().map(|kept| kept.folder.checkpoints());
+    let files = options.checkpoints.clone().or(kept);
+    let archive = files.as_deref().map(|folder| Archive::open(folder, letters)).transpose()?;
+    let checkpoints = Checkpoints::new(archive);
+    let mut engine = Engine::new(scene);
+    if let Some(restore) = &options.restore {
+        go_to(&mut engine, &checkpoints, restore)?;
+    }
+    Ok((engine, checkpoints))
 }
 
 /// Brings a new engine to a saved state.

@@ -221,6 +221,10 @@ impl Bus {
         declared.map_err(|error| self.failed(&topic(key), error))
     }
 
+    fn check(&self) -> Result<(), ClientError> {
+        if self.watch.is_gone() { Err(self.gone()) } else { Ok(()) }
+    }
+
     /// Trouble of zenoh's own, which it also has with a session that was ended because the daemon is gone.
     fn failed(&self, what: &str, error: zenoh::Error) -> ClientError {
         if self.watch.is_gone() { self.gone() } else { ClientError::bus(what, error) }

@@ -220,7 +220,7 @@ fn write_state(
     exporter: &mut Exporter,
 ) -> anyhow::Result<()> {
     engine.snapshot(snapshot);
-    exporter.frame(&frame_to_wire(snapshot, &ParticleColumn::all(), FloatType::F64, v1::Header::default()))?;
+    exporter.frame(&frame_to_wire(snapshot, &ParticleColumn::usual(), FloatType::F64, v1::Header::default()))?;
     if exporter.options().fields {
         for definition in fields {
             let field = engine.compute_field(definition);

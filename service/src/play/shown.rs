@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 
 use prost::Message as _;
-use sturz_engine::FloatType;
+use sturz_engine::{FloatType, ParticleColumn};
 use sturz_protocol::columns;
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1;
 use zenoh::bytes::ZBytes;
 
 use crate::order::error;
+use crate::output::choose;
 use crate::record::{Headed, Recorded};
-use crate::reply::choose_columns;
 use crate::ticket::Moment;
 
 /// Commands that a playback obeys.
@@ -154,19 +154,16 @@ impl Shown {
         }
     }
 
-    fn state(&self, [columns, float]: [Option<&str>; 2]) -> Result<v1::Frame, v1::Error> {
-        let (chosen, float) =
-            choose_columns(columns, float).map_err(|text| error(v1::ErrorCode::NotFound, "columns", text))?;
+    fn state(&self, parameters: [Option<&str>; 2]) -> Result<v1::Frame, v1::Error> {
+        let chosen = choose(parameters, |names| ParticleColumn::select(names), ParticleColumn::usual)?;
         let mut frame = self.frame()?;
         if let Some(header) = &mut frame.header {
             header.seq = 0;
         }
-        let names = sturz_protocol::convert::COLUMN_NAMES;
-        let name = |column| names.iter().find(|(known, _)| *known == column).map_or("", |(_, name)| *name);
         let mut there = std::mem::take(&mut frame.columns);
-        for column in chosen {
-            let Some(at) = there.iter().position(|one| one.name == name(column)) else { continue };
-            frame.columns.push(narrowed(there.swap_remove(at), float));
+        for column in chosen.columns {
+            let Some(at) = there.iter().position(|one| one.name == column.name()) else { continue };
+            frame.columns.push(narrowed(there.swap_remove(at), chosen.float));
         }
         Ok(frame)
     }

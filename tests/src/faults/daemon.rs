@@ -120,6 +120,6 @@ impl Drop for Folder {
 pub fn replay(journal: &Path, threads: u32) -> anyhow::Result<serde_json::Value> {
     let threads = threads.to_string();
     let output = Command::new(binary()?).arg("replay").arg(journal).args(["--json", "--threads", &threads]).output()?;
-    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr).trim().to_string());
+    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr).trim());
     Ok(serde_json::from_slice(&output.stdout)?)
 }
