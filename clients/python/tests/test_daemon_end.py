@@ -123,7 +123,7 @@ def test_launching_what_is_not_there_says_so(tmp_path: Path) -> None:
         sturz.launch("no-such-scene")
     with pytest.raises(sturz.LaunchFailed, match="does not exist"):
         sturz.launch("drum-crosses", binary=tmp_path / "sturz")
-    with pytest.raises(ValueError, match="either scene or scene_text"):
+    with pytest.raises(ValueError, match="one of scene, scene_text and resume"):
         sturz.launch()
 
 

@@ -81,7 +81,7 @@ def export(*arguments: object) -> dict[str, object]:
 def test_surfaces_have_the_volumes_of_their_shapes(box: Path, tmp_path: Path, encoding: str) -> None:
     out = tmp_path / "out"
     written = export(box, "--time", 2e-4, "--every", 1e-4, "--out", out, "--f64", "--encoding", encoding)
-    assert written["files"] == {"boundaries": 3, "field_cloud": 3, "particles": 3}
+    assert written["files"] == {"boundaries": 3, "contacts": 3, "field_cloud": 3, "particles": 3}
     files = vtk_xml.series(out / "particles.pvd")
     assert list(files) == pytest.approx([0.0, 1e-4, 2e-4], abs=1.5e-5)
     with sturz.launch(box) as simulation:
@@ -232,3 +232,17 @@ def test_what_cannot_be_exported_is_refused_with_the_remedy(box: Path, tmp_path:
     at_file = sturz_run("export", str(box), "--time", "1e-4", "--out", str(box))
     assert at_file.returncode == 1
     assert str(box) in at_file.stderr
+
+
+def test_contacts_are_those_of_the_run(tmp_path: Path) -> None:
+    export("cube-tower", "--time", 1e-3, "--out", tmp_path / "out", "--what", "contacts", "--f64")
+    *_, last = vtk_xml.series(tmp_path / "out" / "contacts.pvd").values()
+    cells = last.sections["CellData"]
+    with sturz.launch("cube-tower") as simulation:
+        while simulation.info().time_s < 1e-3:
+            simulation.step(steps=1)
+        contacts = simulation.contacts()
+    np.testing.assert_array_equal(cells["id_a"], contacts.ids[:, 0])
+    np.testing.assert_array_equal(cells["normal_force"], contacts.normal_forces_n)
+    np.testing.assert_array_equal(cells["point"], contacts.points_m)
+    assert last.attributes["NumberOfLines"] == str(len(contacts.ids)) == "10"

@@ -18,6 +18,17 @@ use zenoh::{Session, Wait as _};
 /// No message of the schema: a daemon that gets it says so, and does nothing.
 const RUBBISH: &[u8] = &[0xff; 4];
 
+/// Connections over TLS break by themselves now and then (docs/service.md), whoever they are of: what a test shows, refusals
+/// included, must hold in one try from its start to its end.
+fn in_a_few_tries(test: impl Fn() + std::panic::RefUnwindSafe) {
+    for _ in 0..4 {
+        if std::panic::catch_unwind(&test).is_ok() {
+            return;
+        }
+    }
+    test();
+}
+
 /// Makes a lab with these clients, `NAME:ROLE`.
 fn lab(name: &str, more: &[&str]) -> PathBuf {
     let lab = folder(name).join("lab");
@@ -85,30 +96,32 @@ fn questions(keys: &Keys) -> Vec<String> {
 
 #[test]
 fn without_a_certificate_or_with_a_foreign_one_nobody_comes_in() {
-    let (lab, other) = (lab("certificates", &[]), lab("foreign", &[]));
-    let daemon = serve("certificates", &lab);
-    let at = |target: Target| Simulation::connect_to(&daemon.instance, &target, Duration::ZERO).err().unwrap();
-    let turned_away = |error: ClientError, reason: &str| {
-        assert!(matches!(error, ClientError::TurnedAway { .. }) && error.is_denial(), "{error}");
-        assert!(error.to_string().contains(reason), "{error}");
-    };
-    turned_away(at(Target::new(&daemon.endpoint)), "none was given");
-    // Of another lab, whose authority would not let us talk to this daemon either; and the same pretending to be of this.
-    turned_away(at(target(&daemon, &other, "ada")), "of another authority");
-    let (own, foreign) = (lab.join("clients/ada"), other.join("clients/ada"));
-    let (certificate, key) = (foreign.join("certificate.pem"), foreign.join("key.pem"));
-    turned_away(
-        at(Target::new(&daemon.endpoint).with_tls(Tls { authority: own.join("ca.pem"), certificate, key })),
-        "of another authority",
-    );
-    // The daemon's own certificate is not one of a client.
-    let server = lab.join("server");
-    turned_away(at(Target::new(&daemon.endpoint).with_tls(Tls::from_folder(server).unwrap())), "certificate");
-    // Not in the clear either.
-    let plain = daemon.endpoint.replace("tls/", "tcp/");
-    let error = at(Target::new(plain));
-    assert!(matches!(error, ClientError::TurnedAway { .. } | ClientError::Silent { .. }), "{error}");
-    assert_eq!(connect(&daemon, &lab, "eve").info().unwrap().state(), RunState::Paused);
+    in_a_few_tries(|| {
+        let (lab, other) = (lab("certificates", &[]), lab("foreign", &[]));
+        let daemon = serve("certificates", &lab);
+        let at = |target: Target| Simulation::connect_to(&daemon.instance, &target, Duration::ZERO).err().unwrap();
+        let turned_away = |error: ClientError, reason: &str| {
+            assert!(matches!(error, ClientError::TurnedAway { .. }) && error.is_denial(), "{error}");
+            assert!(error.to_string().contains(reason), "{error}");
+        };
+        turned_away(at(Target::new(&daemon.endpoint)), "none was given");
+        // Of another lab, whose authority would not let us talk to this daemon either; and the same pretending to be of this.
+        turned_away(at(target(&daemon, &other, "ada")), "of another authority");
+        let (own, foreign) = (lab.join("clients/ada"), other.join("clients/ada"));
+        let (certificate, key) = (foreign.join("certificate.pem"), foreign.join("key.pem"));
+        turned_away(
+            at(Target::new(&daemon.endpoint).with_tls(Tls { authority: own.join("ca.pem"), certificate, key })),
+            "of another authority",
+        );
+        // The daemon's own certificate is not one of a client.
+        let server = lab.join("server");
+        turned_away(at(Target::new(&daemon.endpoint).with_tls(Tls::from_folder(server).unwrap())), "certificate");
+        // Not in the clear either.
+        let plain = daemon.endpoint.replace("tls/", "tcp/");
+        let error = at(Target::new(plain));
+        assert!(matches!(error, ClientError::TurnedAway { .. } | ClientError::Silent { .. }), "{error}");
+        assert_eq!(connect(&daemon, &lab, "eve").info().unwrap().state(), RunState::Paused);
+    });
 }
 
 /// The folder of a client of the lab whose certificate has run out this long ago.
@@ -135,148 +148,168 @@ fn expired(lab: &Path, name: &str, ago: time::Duration) -> PathBuf {
 
 #[test]
 fn a_certificate_that_has_run_out_is_turned_away() {
-    let lab = lab("expired", &[]);
-    let daemon = serve("expired", &lab);
-    let connect = |ago: time::Duration| {
-        let tls = Tls::from_folder(expired(&lab, "ada", ago)).unwrap();
-        Simulation::connect_to(&daemon.instance, &Target::new(&daemon.endpoint).with_tls(tls), Duration::from_secs(1))
-    };
-    let error = connect(time::Duration::minutes(5)).err().unwrap();
-    assert!(matches!(error, ClientError::TurnedAway { .. }), "{error}");
-    // All that it lacks is time.
-    connect(time::Duration::hours(-1)).unwrap().info().unwrap();
+    in_a_few_tries(|| {
+        let lab = lab("expired", &[]);
+        let daemon = serve("expired", &lab);
+        let connect = |ago: time::Duration| {
+            let tls = Tls::from_folder(expired(&lab, "ada", ago)).unwrap();
+            Simulation::connect_to(
+                &daemon.instance,
+                &Target::new(&daemon.endpoint).with_tls(tls),
+                Duration::from_secs(1),
+            )
+        };
+        let error = connect(time::Duration::minutes(5)).err().unwrap();
+        assert!(matches!(error, ClientError::TurnedAway { .. }), "{error}");
+        // All that it lacks is time.
+        connect(time::Duration::hours(-1)).unwrap().info().unwrap();
 
-    // One that runs out meanwhile; on a slow machine, one that holds for longer.
-    let short = [4, 8, 16, 32, 64].map(time::Duration::seconds).into_iter().find_map(|holds| connect(-holds).ok());
-    let short = short.expect("connecting takes less than a minute");
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while !short.is_gone() {
-        assert!(Instant::now() < deadline, "the connection outlives its certificate");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    assert!(matches!(short.info(), Err(ClientError::DaemonGone { .. })));
-    assert!(matches!(short.reconnect(Duration::ZERO), Err(ClientError::TurnedAway { .. })));
+        // One that runs out meanwhile; on a slow machine, one that holds for longer.
+        let short = [4, 8, 16, 32, 64].map(time::Duration::seconds).into_iter().find_map(|holds| connect(-holds).ok());
+        let short = short.expect("connecting takes less than a minute");
+        let deadline = Instant::now() + Duration::from_secs(120);
+        while !short.is_gone() {
+            assert!(Instant::now() < deadline, "the connection outlives its certificate");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert!(matches!(short.info(), Err(ClientError::DaemonGone { .. })));
+        assert!(matches!(short.reconnect(Duration::ZERO), Err(ClientError::TurnedAway { .. })));
+    });
 }
 
 #[test]
 fn a_name_without_a_role_is_refused_on_every_key() {
-    let lab = lab("revoked", &[]);
-    let daemon = serve("revoked", &lab);
-    let (viewer, stranger) = (connect(&daemon, &lab, "eve"), bare_session(&daemon, &lab, "rex"));
-    let keys = Keys::new(&daemon.instance).unwrap();
-    let heard = stranger.declare_subscriber("**").wait().unwrap();
-    let alive = stranger.liveliness().declare_subscriber("**").history(true).wait().unwrap();
-    let commands = Verb::ALL.into_iter().map(|verb| keys.command(verb));
-    for key in questions(&keys).into_iter().chain(commands).chain(["sturz/**".into(), "@/**".into()]) {
-        assert!(!is_answered(&stranger, &key), "{key}");
-    }
-    let ada = connect(&daemon, &lab, "ada");
-    let mut reports = viewer.reports().unwrap();
-    ada.resume().unwrap();
-    reports.next_within(SOON).unwrap();
-    assert!(heard.try_recv().unwrap().is_none(), "the stranger heard something");
-    assert!(alive.try_recv().unwrap().is_none(), "the stranger saw somebody");
+    in_a_few_tries(|| {
+        let lab = lab("revoked", &[]);
+        let daemon = serve("revoked", &lab);
+        let (viewer, stranger) = (connect(&daemon, &lab, "eve"), bare_session(&daemon, &lab, "rex"));
+        let keys = Keys::new(&daemon.instance).unwrap();
+        let heard = stranger.declare_subscriber("**").wait().unwrap();
+        let alive = stranger.liveliness().declare_subscriber("**").history(true).wait().unwrap();
+        let commands = Verb::ALL.into_iter().map(|verb| keys.command(verb));
+        for key in questions(&keys).into_iter().chain(commands).chain(["sturz/**".into(), "@/**".into()]) {
+            assert!(!is_answered(&stranger, &key), "{key}");
+        }
+        let ada = connect(&daemon, &lab, "ada");
+        let mut reports = viewer.reports().unwrap();
+        ada.resume().unwrap();
+        reports.next_within(SOON).unwrap();
+        assert!(heard.try_recv().unwrap().is_none(), "the stranger heard something");
+        assert!(alive.try_recv().unwrap().is_none(), "the stranger saw somebody");
 
-    let error = Simulation::connect_to(&daemon.instance, &target(&daemon, &lab, "rex"), Duration::from_secs(1));
-    let error = error.err().unwrap();
-    assert!(matches!(error, ClientError::NothingToSee { .. }) && error.is_denial(), "{error}");
-    // Who may look is told the names that there are.
-    let error = Simulation::connect_to("nothing", &target(&daemon, &lab, "eve"), Duration::from_secs(1));
-    let error = error.err().unwrap().to_string();
-    assert!(error.contains("there are: revoked"), "{error}");
+        let error = Simulation::connect_to(&daemon.instance, &target(&daemon, &lab, "rex"), Duration::from_secs(1));
+        let error = error.err().unwrap();
+        assert!(matches!(error, ClientError::NothingToSee { .. }) && error.is_denial(), "{error}");
+        // Who may look is told the names that there are.
+        let error = Simulation::connect_to("nothing", &target(&daemon, &lab, "eve"), Duration::from_secs(1));
+        let error = error.err().unwrap().to_string();
+        assert!(error.contains("there are: revoked"), "{error}");
+    });
 }
 
 #[test]
 fn each_role_may_what_it_may_and_nothing_else() {
-    let lab = lab("roles", &[]);
-    let daemon = serve("roles", &lab);
-    let keys = Keys::new(&daemon.instance).unwrap();
-    for (client, allowed) in [("eve", 0), ("sam", Verb::ALL.len() - 1), ("ada", Verb::ALL.len())] {
-        let session = bare_session(&daemon, &lab, client);
-        for key in questions(&keys) {
-            assert!(is_answered(&session, &key), "{client} may ask {key}");
+    in_a_few_tries(|| {
+        let lab = lab("roles", &[]);
+        let daemon = serve("roles", &lab);
+        let keys = Keys::new(&daemon.instance).unwrap();
+        for (client, allowed) in [("eve", 0), ("sam", Verb::ALL.len() - 1), ("ada", Verb::ALL.len())] {
+            let session = bare_session(&daemon, &lab, client);
+            for key in questions(&keys) {
+                assert!(is_answered(&session, &key), "{client} may ask {key}");
+            }
+            let given = Verb::ALL.into_iter().filter(|&verb| is_answered(&session, &keys.command(verb)));
+            let given: Vec<Verb> = given.collect();
+            assert_eq!(given.len(), allowed, "{client} may give {given:?}");
+            assert_eq!(given.contains(&Verb::Stop), client == "ada");
+            assert!(!is_answered(&session, "@/**"), "{client} sees zenoh's own space");
         }
-        let given = Verb::ALL.into_iter().filter(|&verb| is_answered(&session, &keys.command(verb)));
-        let given: Vec<Verb> = given.collect();
-        assert_eq!(given.len(), allowed, "{client} may give {given:?}");
-        assert_eq!(given.contains(&Verb::Stop), client == "ada");
-        assert!(!is_answered(&session, "@/**"), "{client} sees zenoh's own space");
-    }
+    });
 }
 
 #[test]
 fn commands_that_are_put_are_held_to_the_same_roles() {
-    let lab = lab("puts", &[]);
-    let daemon = serve("puts", &lab);
-    let keys = Keys::new(&daemon.instance).unwrap();
-    let ada = connect(&daemon, &lab, "ada");
-    let mut events = ada.events().unwrap();
-    for (client, verb) in [("eve", Verb::Pause), ("sam", Verb::Stop), ("sam", Verb::Pause), ("ada", Verb::Stop)] {
-        let session = bare_session(&daemon, &lab, client);
-        session.put(keys.command(verb), RUBBISH).wait().unwrap();
-        // What was put before on this connection has come in when this is answered.
-        assert!(is_answered(&session, &keys.info()));
-    }
-    let mut refused = Vec::new();
-    while refused.len() < 2 {
-        let event = events.next_within(SOON).unwrap();
-        if event.kind() == EventKind::Command {
-            refused.push(event.outcome.unwrap().command);
+    in_a_few_tries(|| {
+        let lab = lab("puts", &[]);
+        let daemon = serve("puts", &lab);
+        let keys = Keys::new(&daemon.instance).unwrap();
+        let ada = connect(&daemon, &lab, "ada");
+        let mut events = ada.events().unwrap();
+        for (client, verb) in [("eve", Verb::Pause), ("sam", Verb::Stop), ("sam", Verb::Pause), ("ada", Verb::Stop)] {
+            let session = bare_session(&daemon, &lab, client);
+            session.put(keys.command(verb), RUBBISH).wait().unwrap();
+            // What was put before on this connection has come in when this is answered.
+            assert!(is_answered(&session, &keys.info()));
         }
-    }
-    assert_eq!(refused, ["pause", "stop"], "of sam and ada; those of eve and sam that are not allowed never came in");
+        let mut refused = Vec::new();
+        while refused.len() < 2 {
+            let event = events.next_within(SOON).unwrap();
+            if event.kind() == EventKind::Command {
+                refused.push(event.outcome.unwrap().command);
+            }
+        }
+        assert_eq!(
+            refused,
+            ["pause", "stop"],
+            "of sam and ada; those of eve and sam that are not allowed never came in"
+        );
+    });
 }
 
 #[test]
 fn nobody_can_speak_for_the_daemon() {
-    let lab = lab("forgery", &[]);
-    let daemon = serve("forgery", &lab);
-    let keys = Keys::new(&daemon.instance).unwrap();
-    let (eve, forger) = (connect(&daemon, &lab, "eve"), bare_session(&daemon, &lab, "ada"));
-    let (mut states, mut events) = (eve.states().unwrap(), eve.events().unwrap());
-    assert_eq!(events.next_within(SOON).unwrap().kind(), EventKind::Started);
-    let _answers =
-        forger.declare_queryable(keys.info()).callback(|query| drop(query.reply(query.key_expr(), RUBBISH).wait()));
-    for key in [keys.state_frame(), keys.event("run"), keys.report()] {
-        forger.put(key, RUBBISH).wait().unwrap();
-    }
-    assert!(is_answered(&forger, &keys.features()));
-    connect(&daemon, &lab, "sam").resume().unwrap();
-    // Rubbish would be an unreadable item before these.
-    states.next_within(SOON).unwrap();
-    assert_eq!(events.next_within(SOON).unwrap().kind(), EventKind::Resumed);
-    assert_eq!(eve.info().unwrap().pid, daemon.pid());
+    in_a_few_tries(|| {
+        let lab = lab("forgery", &[]);
+        let daemon = serve("forgery", &lab);
+        let keys = Keys::new(&daemon.instance).unwrap();
+        let (eve, forger) = (connect(&daemon, &lab, "eve"), bare_session(&daemon, &lab, "ada"));
+        let (mut states, mut events) = (eve.states().unwrap(), eve.events().unwrap());
+        assert_eq!(events.next_within(SOON).unwrap().kind(), EventKind::Started);
+        let _answers =
+            forger.declare_queryable(keys.info()).callback(|query| drop(query.reply(query.key_expr(), RUBBISH).wait()));
+        for key in [keys.state_frame(), keys.event("run"), keys.report()] {
+            forger.put(key, RUBBISH).wait().unwrap();
+        }
+        assert!(is_answered(&forger, &keys.features()));
+        connect(&daemon, &lab, "sam").resume().unwrap();
+        // Rubbish would be an unreadable item before these.
+        states.next_within(SOON).unwrap();
+        assert_eq!(events.next_within(SOON).unwrap().kind(), EventKind::Resumed);
+        assert_eq!(eve.info().unwrap().pid, daemon.pid());
+    });
 }
 
 #[test]
 fn the_client_tells_a_denial_from_everything_else() {
-    let lab = lab("denied", &[]);
-    let mut daemon = serve("denied", &lab);
-    let (eve, sam) = (connect(&daemon, &lab, "eve"), connect(&daemon, &lab, "sam"));
-    let error = eve.step(1).unwrap_err();
-    assert!(matches!(&error, ClientError::Denied { what } if what == "cmd/step") && error.is_denial(), "{error}");
-    assert!(matches!(eve.acquire_lease(), Err(ClientError::Denied { .. })));
-    assert!(matches!(sam.stop(), Err(ClientError::Denied { .. })));
-    eve.state(&["ids"], FloatType::F64).unwrap();
-    sam.acquire_lease().unwrap();
-    assert_eq!(sam.step(3).unwrap().step, 3);
-    sam.release_lease().unwrap();
-    let inspect = |client: &str| {
-        let folder = lab.join("clients").join(client);
-        sturz(&["inspect", "--json", "--endpoint", &daemon.endpoint, "--tls", folder.to_str().unwrap()])
-    };
-    let seen = inspect("eve");
-    assert!(seen.status.success(), "{}", String::from_utf8_lossy(&seen.stderr));
-    let seen: serde_json::Value = serde_json::from_slice(&seen.stdout).unwrap();
-    assert_eq!((seen["instance"].as_str(), seen["step"].as_u64()), (Some("denied"), Some(3)));
-    let unseen = inspect("rex");
-    assert_eq!(unseen.status.code(), Some(6));
-    assert!(String::from_utf8_lossy(&unseen.stderr).contains("has no role"), "{unseen:?}");
-    let bare = sturz(&["inspect", "--endpoint", &daemon.endpoint]);
-    assert_eq!(bare.status.code(), Some(6));
-    assert!(String::from_utf8_lossy(&bare.stderr).contains("wants a certificate"), "{bare:?}");
-    connect(&daemon, &lab, "ada").stop().unwrap();
-    assert!(daemon.ended_well());
+    in_a_few_tries(|| {
+        let lab = lab("denied", &[]);
+        let mut daemon = serve("denied", &lab);
+        let (eve, sam) = (connect(&daemon, &lab, "eve"), connect(&daemon, &lab, "sam"));
+        let error = eve.step(1).unwrap_err();
+        assert!(matches!(&error, ClientError::Denied { what } if what == "cmd/step") && error.is_denial(), "{error}");
+        assert!(matches!(eve.acquire_lease(), Err(ClientError::Denied { .. })));
+        assert!(matches!(sam.stop(), Err(ClientError::Denied { .. })));
+        eve.state(&["ids"], FloatType::F64).unwrap();
+        sam.acquire_lease().unwrap();
+        assert_eq!(sam.step(3).unwrap().step, 3);
+        sam.release_lease().unwrap();
+        let inspect = |client: &str| {
+            let folder = lab.join("clients").join(client);
+            sturz(&["inspect", "--json", "--endpoint", &daemon.endpoint, "--tls", folder.to_str().unwrap()])
+        };
+        let seen = inspect("eve");
+        assert!(seen.status.success(), "{}", String::from_utf8_lossy(&seen.stderr));
+        let seen: serde_json::Value = serde_json::from_slice(&seen.stdout).unwrap();
+        assert_eq!((seen["instance"].as_str(), seen["step"].as_u64()), (Some("denied"), Some(3)));
+        let unseen = inspect("rex");
+        assert_eq!(unseen.status.code(), Some(6));
+        assert!(String::from_utf8_lossy(&unseen.stderr).contains("has no role"), "{unseen:?}");
+        let bare = sturz(&["inspect", "--endpoint", &daemon.endpoint]);
+        assert_eq!(bare.status.code(), Some(6));
+        assert!(String::from_utf8_lossy(&bare.stderr).contains("wants a certificate"), "{bare:?}");
+        connect(&daemon, &lab, "ada").stop().unwrap();
+        assert!(daemon.ended_well());
+    });
 }
 
 #[test]
@@ -445,15 +478,17 @@ fn other_interfaces_are_refused_without_certificates() {
 
 #[test]
 fn with_certificates_a_daemon_is_reached_from_outside() {
-    let Some(outer) = outer_address() else {
-        eprintln!("this machine has no address but loopback: not tried");
-        return;
-    };
-    let lab = lab("outside", &["--host", &outer.to_string()]);
-    let daemon = Daemon::serve_at("outside", "tls/0.0.0.0:0", scene(), &["--tls", lab.to_str().unwrap()]);
-    let port = listening(daemon.pid()).first().unwrap().port();
-    let tls = Tls::from_folder(lab.join("clients/eve")).unwrap();
-    let target = Target::new(format!("tls/{outer}:{port}")).with_tls(tls);
-    let simulation = Simulation::connect_to("outside", &target, SOON).unwrap();
-    assert_eq!(simulation.info().unwrap().pid, daemon.pid());
+    in_a_few_tries(|| {
+        let Some(outer) = outer_address() else {
+            eprintln!("this machine has no address but loopback: not tried");
+            return;
+        };
+        let lab = lab("outside", &["--host", &outer.to_string()]);
+        let daemon = Daemon::serve_at("outside", "tls/0.0.0.0:0", scene(), &["--tls", lab.to_str().unwrap()]);
+        let port = listening(daemon.pid()).first().unwrap().port();
+        let tls = Tls::from_folder(lab.join("clients/eve")).unwrap();
+        let target = Target::new(format!("tls/{outer}:{port}")).with_tls(tls);
+        let simulation = Simulation::connect_to("outside", &target, SOON).unwrap();
+        assert_eq!(simulation.info().unwrap().pid, daemon.pid());
+    });
 }

@@ -197,6 +197,12 @@ impl Recording {
                 };
                 return Ok(topic.map(|topic| Recorded { topic, log_time_ns: log_time, payload: data.into_owned() }));
             }
+            // Ours have none: what is unknown was something else, a whole chunk perhaps.
+            Record::Unknown { opcode, .. } => {
+                self.over = true;
+                let reason = format!("a record of the unknown kind {opcode:#04x}");
+                return Err(RecordingError::Damaged { path: self.path.clone(), byte: self.bytes, reason });
+            }
             // What follows the data repeats it.
             _ => {}
         }
