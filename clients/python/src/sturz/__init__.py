@@ -108,8 +108,8 @@ __all__ = [
     "Stream",
     "SturzError",
     "Timeout",
-    "WarningKind",
     "Tls",
+    "WarningKind",
     "connect",
     "launch",
 ]
