@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use common::{Daemon, SOON, binary};
 use sturz_client::v1::{ErrorCode, EventKind, RunState};
-use sturz_client::{Amount, ClientError, Insertion, Placement, Region, Request, Simulation, Window, v1};
+use sturz_client::{Amount, ClientError, Insertion, Output, Pace, Placement, Region, Request, Simulation, Window, v1};
 
 /// Balls that fall on each other in a box and roll.
 const BOX: &str = r#"
@@ -186,6 +186,8 @@ fn what_waits_for_its_time_and_what_is_saved_survive_snapshots() {
     simulation.checkpoint("start").unwrap();
     let start = place(&simulation);
     simulation.define_field(field("density")).unwrap();
+    simulation.define_output(Output::new("contacts").at(Pace::EverySteps(7))).unwrap();
+    let outputs = simulation.info().unwrap().outputs;
     let log = journal.join("log");
     let first = log.join("000000000000.log");
     while first.exists() {
@@ -196,6 +198,7 @@ fn what_waits_for_its_time_and_what_is_saved_survive_snapshots() {
     let mut daemon = Daemon::resume(&journal, &[]);
     let simulation = daemon.connect();
     assert_eq!(simulation.info().unwrap().fields.len(), 1);
+    assert_eq!(simulation.info().unwrap().outputs, outputs);
     simulation.advance(Window::new(4e-3)).unwrap();
     assert_eq!(
         simulation.state(&["positions"], sturz_client::FloatType::F64).unwrap().frame().gravity_m_per_s2.unwrap().z,

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
 use clap::Parser;
 use sturz_tests::cases::{self, Row};
 use sturz_tests::faults::{self, Size, registry};
@@ -21,6 +22,9 @@ struct Arguments {
     /// A small part of each
     #[arg(long)]
     short: bool,
+    /// How long listeners come and go, s
+    #[arg(long, default_value_t = 3600.0, value_name = "SECONDS")]
+    soak: f64,
     /// Write the comparisons here, as an array
     #[arg(long)]
     json: Option<PathBuf>,
@@ -39,6 +43,7 @@ fn main() -> anyhow::Result<ExitCode> {
     for id in &arguments.ids {
         ensure!(all.iter().any(|fault| fault.id == id), "no check '{id}'; --list shows them");
     }
+    let soak = Duration::try_from_secs_f64(arguments.soak).context("--soak is no time")?;
     let mut rows = Vec::new();
     let wanted = |id: &str| arguments.ids.is_empty() || arguments.ids.iter().any(|wanted| wanted == id);
     for fault in all.iter().filter(|fault| wanted(fault.id)) {
@@ -46,7 +51,7 @@ fn main() -> anyhow::Result<ExitCode> {
         if arguments.list {
             continue;
         }
-        let own = fault.rows(if arguments.short { Size::Short } else { Size::Full });
+        let own = fault.rows(if arguments.short { Size::Short } else { Size::Full { soak } });
         own.iter().for_each(Row::print);
         rows.extend(own);
     }

@@ -30,7 +30,7 @@ pub fn check(checks: &mut Checks, size: Size) -> anyhow::Result<()> {
     let memory_before = crowded.peak_bytes()?;
     let (listeners, steps, soak) = match size {
         Size::Short => (10, 3_000, Duration::ZERO),
-        Size::Full => (50, 100_000, Duration::from_secs(3600)),
+        Size::Full { soak } => (50, 100_000, soak),
     };
     let begin = Instant::now();
     let mut ratios = Vec::new();

@@ -10,6 +10,7 @@ mod messages;
 mod script;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use crate::cases::{Checks, Row};
 
@@ -21,14 +22,17 @@ pub enum Size {
     /// For `make test`.
     Short,
     /// All of it.
-    Full,
+    Full {
+        /// How long listeners come and go.
+        soak: Duration,
+    },
 }
 
 impl Size {
     fn of(self, short: u32, full: u32) -> u32 {
         match self {
             Size::Short => short,
-            Size::Full => full,
+            Size::Full { .. } => full,
         }
     }
 }
