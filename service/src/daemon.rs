@@ -136,15 +136,9 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let (events, events_heard) = mpsc::channel(EVENTS);
     let shared = Arc::new(Shared::default());
     let outbox = Outbox::new(&scene.description().output, notices);
-    let io = Arc::new(Io {
-        keys: keys.clone(),
-        identity,
-        limits: options.limits.clone(),
-        mailbox: letters.clone(),
-        shared: Arc::clone(&shared),
-        events,
-        open: Arc::new(Semaphore::new(options.limits.open_requests)),
-    });
+    let (limits, open) = (options.limits.clone(), Arc::new(Semaphore::new(options.limits.open_requests)));
+    let (for_io, by_io) = (letters.clone(), Arc::clone(&shared));
+    let io = Arc::new(Io { keys: keys.clone(), identity, limits, mailbox: for_io, shared: by_io, events, open });
 
     let state = publish::stream(&session, Arc::clone(&io), keys.state_frame(), outbox.state.slot()).await?;
     let contacts = publish::stream(&session, Arc::clone(&io), keys.contacts_frame(), outbox.contacts.slot()).await?;

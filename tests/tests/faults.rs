@@ -27,6 +27,11 @@ fn hostile_messages_change_nothing() {
 }
 
 #[test]
+fn commands_act_once_and_between_two_steps() {
+    holds("S22");
+}
+
+#[test]
 fn listeners_are_not_noticed() {
     holds("CROWD");
 }

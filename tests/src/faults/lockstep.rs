@@ -55,7 +55,8 @@ fn loads(particles: u64, epoch: u64) -> Loads {
     }
 }
 
-fn served(particles: u32) -> anyhow::Result<(Daemon, Simulation, Folder)> {
+/// A daemon with a journal that serves such a cloud.
+pub fn served(particles: u32) -> anyhow::Result<(Daemon, Simulation, Folder)> {
     let folder = Folder::new("lockstep")?;
     let scene = folder.join("scene.toml");
     std::fs::write(&scene, cloud(particles))?;

@@ -1,5 +1,6 @@
 //! What a service must survive: kills, damaged files, hostile messages, crowds of listeners. One id a check.
 
+mod bus;
 mod chance;
 mod daemon;
 mod damage;
@@ -63,6 +64,7 @@ pub fn registry() -> Vec<Fault> {
         Fault { id: "KILL", title: "killed at random moments and taken up again", run: kills::check },
         Fault { id: "DAMAGE", title: "cuts and flipped bits in a journal's files", run: damage::check },
         Fault { id: "HOSTILE", title: "messages that cannot be used, on every key", run: messages::check },
+        Fault { id: "S22", title: "commands in the midst of things, out of order, twice, and large", run: bus::check },
         Fault { id: "CROWD", title: "listeners that hang, die, come and go", run: listeners::check },
         Fault { id: "LOCKSTEP", title: "what a window costs over the bus", run: lockstep::check },
     ]
