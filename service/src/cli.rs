@@ -1,14 +1,15 @@
 //! The command line as types. What each command does is in [`crate::commands`].
 
 mod recordings;
+mod watching;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::config::DEFAULT_LISTEN;
 use crate::journal::{Fsync, Keep};
 pub use recordings::{Encoding, Export, ExportPart, Play, Record, RecordTopic};
+pub use watching::{Inspect, Top};
 
 /// What the exit codes mean, for `--help`.
 const EXIT_CODES: &str = "\
@@ -49,6 +50,8 @@ pub enum Command {
     Certs(Certs),
     /// Show what a running daemon says of itself
     Inspect(Inspect),
+    /// Watch a running daemon: time, speed, stages, energy, streams, anew each second
+    Top(Top),
     /// Go through a journal again and compare every outcome and every state in it
     Replay(Replay),
     /// Write down what a running daemon says, as an MCAP file
@@ -221,25 +224,6 @@ pub struct Certs {
     /// Replace the certificates of the clients named, and with --host the daemon's; never the authority's
     #[arg(long)]
     pub force: bool,
-}
-
-/// `sturz inspect`
-#[derive(Debug, Args)]
-pub struct Inspect {
-    /// Name on the bus; not needed where only one daemon is alive
-    pub name: Option<String>,
-    /// Where the daemon listens
-    #[arg(long, env = "STURZ_ENDPOINT", default_value = DEFAULT_LISTEN, value_name = "ENDPOINT")]
-    pub endpoint: String,
-    /// A zenoh configuration file to start from
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    /// Folder with the certificate of this client, such as LAB/clients/NAME
-    #[arg(long, value_name = "DIR")]
-    pub tls: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ fn main() -> ExitCode {
         Command::Scenes(options) => commands::scenes(&options),
         Command::Certs(options) => commands::certs(options),
         Command::Inspect(options) => commands::inspect(&options),
+        Command::Top(options) => commands::top(&options),
         Command::Replay(options) => commands::replay(&options),
         Command::Record(options) => commands::record(&options),
         Command::Play(options) => commands::play(options),

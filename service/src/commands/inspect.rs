@@ -109,7 +109,7 @@ pub(crate) async fn ask(session: &Session, key: String) -> Result<Vec<u8>, Failu
 }
 
 /// `RUNNING` rather than `RUN_STATE_RUNNING`, in lower case.
-fn state_name(state: v1::RunState) -> String {
+pub(super) fn state_name(state: v1::RunState) -> String {
     state.as_str_name().trim_start_matches("RUN_STATE_").to_lowercase()
 }
 

@@ -11,6 +11,7 @@ mod run;
 mod scenes;
 mod serve;
 mod table;
+mod top;
 
 use thiserror::Error;
 
@@ -25,6 +26,7 @@ pub use replay::replay;
 pub use run::run;
 pub use scenes::{scenes, schema};
 pub use serve::serve;
+pub use top::top;
 
 /// Why a command did not do what was asked.
 #[derive(Debug, Error)]
