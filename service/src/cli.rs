@@ -1,14 +1,17 @@
 //! The command line as types. What each command does is in [`crate::commands`].
 
 mod recordings;
+mod settings;
 mod watching;
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand};
 
 use crate::journal::{Fsync, Keep};
 pub use recordings::{Encoding, Export, ExportPart, Play, Record, RecordTopic};
+pub use settings::{Effective, Source, parse};
 pub use watching::{Inspect, Top};
 
 /// What the exit codes mean, for `--help`.
@@ -76,8 +79,14 @@ pub struct SceneArgument {
 #[derive(Debug, Args)]
 pub struct Serve {
     /// Name of a bundled scene (see `sturz scenes`) or path of a scene file
-    #[arg(value_name = "SCENE", required_unless_present = "resume", conflicts_with = "resume")]
+    #[arg(value_name = "SCENE", required_unless_present_any = ["resume", "show_settings"], conflicts_with = "resume")]
     pub scene: Option<String>,
+    /// A TOML file with settings under the names of these flags; flags and environment win over it
+    #[arg(long, env = "STURZ_SETTINGS", value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+    /// Print the settings in force, each with its source, as such a file, and end
+    #[arg(long)]
+    pub show_settings: bool,
     /// Name on the bus; that of the scene file when absent
     #[arg(long, env = "STURZ_NAME")]
     pub name: Option<String>,
@@ -94,8 +103,11 @@ pub struct Serve {
     #[arg(long, env = "STURZ_TLS", value_name = "DIR", help_heading = "Bus")]
     pub tls: Option<PathBuf>,
     /// Allow endpoints that other machines can reach: whoever reaches them can steer
-    #[arg(long, help_heading = "Bus")]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_value_t = false, default_missing_value = "true", action = ArgAction::Set, value_name = "BOOL", help_heading = "Bus")]
     pub insecure: bool,
+    /// Address at which Prometheus finds the report, by HTTP: such as 127.0.0.1:9464; port 0 for a free one
+    #[arg(long, env = "STURZ_METRICS", value_name = "ADDRESS")]
+    pub metrics: Option<SocketAddr>,
     /// A TOML file with limits on what clients may ask for
     #[arg(long, value_name = "FILE", help_heading = "Bus")]
     pub limits: Option<PathBuf>,
@@ -126,13 +138,13 @@ pub struct Serve {
     #[arg(long, value_name = "SECONDS", help_heading = "What is kept")]
     pub checkpoint_every: Option<f64>,
     /// Start from the checkpoint of this token instead of at step 0; `newest`: from the one with the most steps
-    #[arg(long, value_name = "TOKEN", requires = "checkpoints", help_heading = "What is kept")]
+    #[arg(long, value_name = "TOKEN", help_heading = "What is kept")]
     pub restore: Option<String>,
     /// Threads of the physics
     #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Wait for commands instead of stepping at once
-    #[arg(long)]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_value_t = false, default_missing_value = "true", action = ArgAction::Set, value_name = "BOOL")]
     pub paused: bool,
     /// End when standard input does: with whoever started this process
     #[arg(long)]
@@ -140,6 +152,9 @@ pub struct Serve {
     /// Print one line `ready {...}` for programs once clients can connect
     #[arg(long)]
     pub json: bool,
+    /// All settings, with their sources.
+    #[arg(skip)]
+    pub effective: Effective,
 }
 
 fn keep(text: &str) -> Result<Keep, String> {

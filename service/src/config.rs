@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use sturz_protocol::v1;
 
@@ -21,7 +21,7 @@ pub const DEFAULT_LISTEN_TLS: &str = "tls/127.0.0.1:7447";
 const AUTO_LISTEN_TLS: &str = "tls/127.0.0.1:0";
 
 /// Bounds on what clients may ask for. A TOML file given with `--limits` may change them.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Limits {
     /// Of one request. A hundred thousand poses take 5.6 MB.
@@ -96,13 +96,23 @@ impl Limits {
         }
     }
 
-    /// From a TOML file; defaults without one.
-    pub fn load(path: Option<&Path>) -> anyhow::Result<Self> {
+    /// The table of a TOML file; an empty one without a file.
+    pub fn read(path: Option<&Path>) -> anyhow::Result<toml::Table> {
         let Some(path) = path else {
-            return Ok(Self::default());
+            return Ok(toml::Table::new());
         };
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let limits: Self = toml::from_str(&text).with_context(|| format!("in {}", path.display()))?;
+        let table: toml::Table = toml::from_str(&text).with_context(|| format!("in {}", path.display()))?;
+        Self::from_table(table.clone()).with_context(|| format!("in {}", path.display()))?;
+        Ok(table)
+    }
+
+    /// From a table; defaults for what it lacks.
+    ///
+    /// # Errors
+    /// It has other names, other types, or zeros where nothing would go.
+    pub fn from_table(table: toml::Table) -> anyhow::Result<Self> {
+        let limits: Self = table.try_into()?;
         let least = limits.queue_length.min(limits.open_requests).min(limits.remembered_events).min(limits.clients);
         if least == 0 {
             return Err(anyhow!("queue_length, open_requests, remembered_events and clients must be at least 1"));

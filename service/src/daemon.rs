@@ -1,6 +1,7 @@
 //! A simulation on the bus: wiring, start and end.
 
 use std::io::Read as _;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -26,6 +27,7 @@ use crate::journal::Folder;
 use crate::journal::record::Start;
 use crate::mailbox::{Inbox, Mailbox, mailbox};
 use crate::meter::Meter;
+use crate::metrics::Endpoint;
 use crate::outbox::Outbox;
 use crate::publish::{self, Notices};
 use crate::reply::{Identity, wall_time_ns};
@@ -64,6 +66,8 @@ pub struct Options {
     pub journal: Option<KeptRun>,
     /// End when standard input does: with whoever started this process.
     pub stop_on_stdin_eof: bool,
+    /// Where Prometheus finds the report.
+    pub metrics: Option<SocketAddr>,
 }
 
 /// A run with a journal.
@@ -96,6 +100,9 @@ pub struct Ready {
     pub run_id: String,
     /// Of this process.
     pub pid: u32,
+    /// Of the metrics, where they are served.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub metrics: Option<String>,
 }
 
 /// Why there is no service.
@@ -117,6 +124,14 @@ pub enum ServeError {
         /// The name.
         instance: String,
     },
+    /// The metrics have no place.
+    #[error("--metrics: cannot listen on {address}: {reason}")]
+    Metrics {
+        /// Where.
+        address: SocketAddr,
+        /// As the system says.
+        reason: std::io::Error,
+    },
     /// Something else.
     #[error(transparent)]
     Other(#[from] anyhow::Error),
@@ -125,6 +140,7 @@ pub enum ServeError {
 /// Serves a scene until a signal, a command or the end of standard input.
 pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -> Result<(), ServeError> {
     let keys = Keys::new(&options.instance).map_err(|error| anyhow!(error))?;
+    let endpoint = open_metrics(options.metrics).await?;
     let session = open_session(&options.bus).await?;
     refuse_twin(&session, &keys).await?;
     Door::watch(&session, &options.bus, options.limits.clients).await?;
@@ -160,7 +176,9 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let intake = intake::open(&session, Arc::clone(&io)).await?;
     let watch = watch_clients(&session, Arc::clone(&io)).await?;
     let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
-    ready(&describe(&session, &keys, run_id).await);
+    let metrics = endpoint.as_ref().map(|endpoint| format!("http://{}/metrics", endpoint.address));
+    let scraped = endpoint.map(|endpoint| endpoint.spawn(Arc::clone(&io)));
+    ready(&Ready { metrics, ..describe(&session, &keys, run_id).await });
 
     tokio::select! {
         _ = &mut ended => {}
@@ -174,7 +192,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let all = io.limits.open_requests as u32;
     drop(tokio::time::timeout(LAST_REPLIES, io.open.acquire_many(all)).await);
     drop((intake, watch));
-    [state, contacts, report].iter().for_each(AbortHandle::abort);
+    [Some(state), Some(contacts), Some(report), scraped].iter().flatten().for_each(AbortHandle::abort);
     drop(more_events);
     if tokio::time::timeout(LAST_REPLIES, publishing).await.is_err() {
         tracing::debug!("the last events were not all sent");
@@ -183,6 +201,14 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     drop(token.undeclare().await);
     session.close().await.map_err(|error| anyhow!(error))?;
     Ok(())
+}
+
+async fn open_metrics(address: Option<SocketAddr>) -> Result<Option<Endpoint>, ServeError> {
+    let Some(address) = address else {
+        return Ok(None);
+    };
+    let opened = Endpoint::open(address).await;
+    opened.map(Some).map_err(|reason| ServeError::Metrics { address, reason })
 }
 
 fn identify(options: &Options, scene: &Scene, run_id: String) -> Identity {
@@ -231,6 +257,7 @@ pub(crate) async fn describe(session: &Session, keys: &Keys, run_id: String) -> 
         instance: keys.instance().into(),
         run_id,
         pid: std::process::id(),
+        metrics: None,
     }
 }
 

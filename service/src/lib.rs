@@ -2,7 +2,7 @@
 //!
 //! Physics runs on one plain thread ([`runner`]) that is reached through a bounded [`mailbox`] and hands out through
 //! an [`outbox`] of latest-wins slots. Everything asynchronous, and everything that speaks zenoh, is in [`daemon`],
-//! [`intake`], [`reply`] and [`publish`].
+//! [`intake`], [`reply`] and [`publish`]; [`metrics`] answers Prometheus.
 
 pub mod advance;
 mod answer;
@@ -23,6 +23,7 @@ pub mod lease;
 pub mod mailbox;
 pub mod memory;
 pub mod meter;
+pub mod metrics;
 pub mod order;
 pub mod outbox;
 pub mod output;

@@ -3,12 +3,11 @@
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
 
-use clap::Parser as _;
-use sturz_service::cli::{Arguments, Command};
+use sturz_service::cli::{self, Command};
 use sturz_service::commands::{self, Failure};
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = cli::parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
     start_log(&arguments.log);
     let done = match arguments.command {
         Command::Serve(options) => commands::serve(*options),

@@ -1,71 +1,23 @@
-//! A running daemon as those see it who watch it: `sturz top`.
+//! A running daemon as those see it who watch it: `sturz top`, and Prometheus.
 
-use std::io::{BufRead as _, BufReader};
-use std::process::{Child, Command, Output, Stdio};
+mod common;
 
-use serde_json::Value;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Shutdown, TcpStream};
+use std::process::{Command, Stdio};
 
-/// A daemon of a test's own, on a free port; ends with its standard input.
-struct Daemon {
-    process: Child,
-    ready: Value,
-}
-
-impl Daemon {
-    fn serve(more: &[&str]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sturz"));
-        command.args(["serve", "drum-crosses", "--listen", "auto", "--json", "--stop-on-stdin-eof"]).args(more);
-        let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        let mut line = String::new();
-        BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let ready = line.strip_prefix("ready ").unwrap_or_else(|| panic!("{line:?} says that it is not ready"));
-        let ready = serde_json::from_str(ready).unwrap();
-        Self { process, ready }
-    }
-
-    fn endpoint(&self) -> &str {
-        self.ready["endpoint"].as_str().unwrap()
-    }
-
-    fn ask(&self, arguments: &[&str]) -> Output {
-        sturz(&[arguments, &["--endpoint", self.endpoint()]].concat())
-    }
-
-    fn inspect(&self) -> Value {
-        serde_json::from_slice(&self.ask(&["inspect", "--json"]).stdout).unwrap()
-    }
-
-    fn end(&mut self) {
-        drop(self.process.stdin.take());
-        self.process.wait().unwrap();
-    }
-}
-
-impl Drop for Daemon {
-    fn drop(&mut self) {
-        drop(self.process.kill());
-        drop(self.process.wait());
-    }
-}
-
-fn sturz(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sturz")).args(arguments).stdin(Stdio::null()).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
+use common::{Daemon, sturz, text};
 
 #[test]
 fn top_shows_one_view_of_a_paused_run() {
-    let daemon = Daemon::serve(&["--paused", "--name", "watched"]);
+    let daemon = Daemon::serve_scene("cube-heap", &["--paused", "--name", "watched"]);
     let told = daemon.inspect();
     let top = daemon.ask(&["top", "--once"]);
     assert_eq!(top.status.code(), Some(0), "{}", text(&top.stderr));
     let view = text(&top.stdout);
     let particles = format!("particles      {}, ", told["particles"]);
     for part in [
-        "watched (Rotating drum of 3D crosses)",
+        "watched (Heap of cubes)",
         "state          paused",
         "step 0",
         &particles,
@@ -104,4 +56,100 @@ fn top_says_what_it_cannot_do() {
     // Port 1 of the loopback interface: nobody listens there.
     let nobody = sturz(&["top", "--endpoint", "tcp/127.0.0.1:1"]);
     assert_eq!(nobody.status.code(), Some(6), "{}", text(&nobody.stderr));
+}
+
+/// One request, all of the answer.
+fn http(address: &str, request: &[u8]) -> String {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.write_all(request).unwrap();
+    stream.shutdown(Shutdown::Write).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+fn get(address: &str, path: &str) -> String {
+    http(address, format!("GET {path} HTTP/1.1\r\nHost: {address}\r\n\r\n").as_bytes())
+}
+
+/// Address of the metrics.
+fn metrics(daemon: &Daemon) -> String {
+    let url = daemon.ready["metrics"].as_str().unwrap();
+    url.strip_prefix("http://").unwrap().strip_suffix("/metrics").unwrap().into()
+}
+
+#[test]
+fn prometheus_gets_the_numbers_of_the_report() {
+    let daemon = Daemon::serve_scene("cube-heap", &["--paused", "--name", "measured", "--metrics", "127.0.0.1:0"]);
+    let address = metrics(&daemon);
+    let answer = get(&address, "/metrics");
+    let (head, page) = answer.split_once("\r\n\r\n").unwrap();
+    assert!(head.starts_with("HTTP/1.1 200 OK\r\n") && head.contains("text/plain; version=0.0.4"), "{head}");
+    assert!(head.contains(&format!("Content-Length: {}\r\n", page.len())), "{head}");
+    let value = |name: &str| {
+        let line = page.lines().find(|line| line.strip_prefix(name).is_some_and(|rest| rest.starts_with(' ')));
+        let line = line.unwrap_or_else(|| panic!("no {name} in\n{page}"));
+        line.rsplit(' ').next().unwrap().parse::<f64>().unwrap()
+    };
+    let told = daemon.inspect();
+    let report = &told["report"];
+    for (name, told) in [
+        ("sturz_particles", &told["particles"]),
+        ("sturz_steps_total", &told["step"]),
+        ("sturz_simulated_time_seconds", &told["time_s"]),
+        ("sturz_time_step_seconds", &told["time_step_s"]),
+        ("sturz_threads", &told["threads"]),
+        ("sturz_critical_time_step_seconds", &report["critical_time_step_s"]),
+        ("sturz_energy_residual_joules", &report["energy_residual_j"]),
+        ("sturz_touching_pairs{with=\"particle\"}", &report["touching_pairs"]),
+        ("sturz_largest_overlap_meters", &report["largest_overlap_m"]),
+    ] {
+        assert_eq!(value(name), told.as_f64().unwrap(), "{name}");
+    }
+    assert!(value("sturz_particles") > 0.0);
+    assert_eq!((value("sturz_run_state{state=\"paused\"}"), value("sturz_run_state{state=\"running\"}")), (1.0, 0.0));
+    assert_eq!(value("sturz_stream_dropped_total{stream=\"state\"}"), 0.0);
+    assert!(page.contains("instance_name=\"measured\""), "{page}");
+}
+
+#[test]
+fn who_asks_for_something_else_than_the_metrics_is_told_so() {
+    let daemon = Daemon::serve(&["--paused", "--name", "asked", "--metrics", "127.0.0.1:0"]);
+    let address = metrics(&daemon);
+    let long = format!("GET /metrics HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(9000));
+    for (request, status) in [
+        (&b"GET / HTTP/1.1\r\n\r\n"[..], "404"),
+        (b"GET /metrics/../etc HTTP/1.1\r\n\r\n", "404"),
+        (b"POST /metrics HTTP/1.1\r\n\r\n", "405"),
+        (b"hello\r\n\r\n", "400"),
+        (b"\xff\xfe\r\n\r\n", "400"),
+        (b"GET /metrics HTTP/1.1\r\n", "400"),
+        (b"", "400"),
+        (long.as_bytes(), "400"),
+    ] {
+        let answer = http(&address, request);
+        assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{}: {answer}", text(request));
+    }
+    // Some who say nothing, and stay, keep nobody else out.
+    let silent: Vec<_> = (0..8).map(|_| TcpStream::connect(&address).unwrap()).collect();
+    assert!(get(&address, "/metrics").starts_with("HTTP/1.1 200 "));
+    drop(silent);
+}
+
+#[test]
+fn metrics_are_served_where_asked_for_only() {
+    let plain = Daemon::serve(&["--paused", "--name", "plain"]);
+    assert!(plain.ready.get("metrics").is_none(), "{}", plain.ready);
+    let other = Daemon::serve(&["--paused", "--name", "other", "--metrics", "127.0.0.1:0"]);
+    let taken = metrics(&other);
+    let refused = sturz(&["serve", "drum-crosses", "--listen", "auto", "--metrics", &taken]);
+    assert_eq!(refused.status.code(), Some(5));
+    assert!(
+        text(&refused.stderr).contains(&format!("--metrics: cannot listen on {taken}")),
+        "{}",
+        text(&refused.stderr)
+    );
+    let open = sturz(&["serve", "drum-crosses", "--listen", "auto", "--metrics", "0.0.0.0:0"]);
+    assert_eq!(open.status.code(), Some(5));
+    assert!(text(&open.stderr).contains("--insecure"), "{}", text(&open.stderr));
 }

@@ -1,9 +1,12 @@
 //! `sturz serve`
 
+use std::net::SocketAddr;
 use std::path::Path;
 use std::time::Duration;
 
-use crate::cli;
+use anyhow::anyhow;
+
+use crate::cli::{self, Effective};
 use crate::commands::{Failure, runtime};
 use crate::config::{Bus, DEFAULT_LISTEN, DEFAULT_LISTEN_TLS, Limits, ServerTls};
 use crate::daemon::{self, KeptRun, Options, Ready, Restore, ServeError};
@@ -15,11 +18,13 @@ use crate::security::folder;
 const SNAPSHOT_EVERY: Duration = Duration::from_secs(60);
 
 /// Serves a scene until it is told to end.
-pub fn serve(options: cli::Serve) -> Result<(), Failure> {
-    if options.checkpoint_every.is_some()
-        && ![&options.checkpoints, &options.journal, &options.resume].iter().any(|folder| folder.is_some())
-    {
-        return Err(Failure::Usage("--checkpoint-every needs a folder: --journal or --checkpoints".into()));
+pub fn serve(mut options: cli::Serve) -> Result<(), Failure> {
+    check_folders(&options)?;
+    let mut effective = std::mem::take(&mut options.effective);
+    let (limits, listen) = settle(&options, &mut effective)?;
+    if options.show_settings {
+        print!("{}", effective.to_toml());
+        return Ok(());
     }
     let resumed = options.resume.as_deref().map(Folder::open).transpose()?;
     let (scene, given_name) = match (&resumed, &options.scene) {
@@ -29,18 +34,13 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
     };
     let instance = options.name.unwrap_or(given_name);
     sturz_protocol::keys::check_name(&instance).map_err(|error| Failure::Usage(format!("--name: {error}")))?;
-    let limits = Limits::load(options.limits.as_deref()).map_err(|error| Failure::Usage(format!("{error:#}")))?;
+    effective.choose("name", instance.clone());
+    effective.log();
     let tls = options.tls.as_deref().map(|folder| ServerTls::open(folder, &instance)).transpose();
     let tls = tls.map_err(|error| Failure::Usage(format!("--tls: {error}")))?;
-    // A configuration file says where to listen, unless the command line does.
-    let listen = match (&tls, options.listen.is_empty() && options.config.is_none()) {
-        (None, true) => vec![DEFAULT_LISTEN.into()],
-        (Some(_), true) => vec![DEFAULT_LISTEN_TLS.into()],
-        (_, false) => options.listen,
-    };
     let most_clients = Some(limits.clients);
     let bus = Bus { listen, connect: options.connect, file: options.config, tls, most_clients, client_tls: None };
-    bus.check_exposure(options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
+    check_exposure(&bus, options.metrics, options.insecure).map_err(|error| Failure::Bus(error.to_string()))?;
     let clients_tls = options.tls.as_ref().map(|folder| folder.join(folder::CLIENTS).join("NAME"));
     let checkpoint_every = options.checkpoint_every.map(interval).transpose()?;
     let restore = options.restore.map(start).transpose()?;
@@ -65,12 +65,65 @@ pub fn serve(options: cli::Serve) -> Result<(), Failure> {
         restore,
         journal,
         stop_on_stdin_eof: options.stop_on_stdin_eof,
+        metrics: options.metrics,
     };
     let ready = |ready: &Ready| announce(ready, paused, json, clients_tls.as_deref());
     runtime()?.block_on(daemon::serve(scene, options, ready)).map_err(|error| match error {
         ServeError::Other(error) => Failure::Other(error),
         refused => Failure::Bus(refused.to_string()),
     })
+}
+
+fn check_folders(options: &cli::Serve) -> Result<(), Failure> {
+    let has_folder = [&options.checkpoints, &options.journal, &options.resume].iter().any(|folder| folder.is_some());
+    if options.checkpoint_every.is_some() && !has_folder {
+        return Err(Failure::Usage("--checkpoint-every needs a folder: --journal or --checkpoints".into()));
+    }
+    if options.restore.is_some() && options.checkpoints.is_none() {
+        return Err(Failure::Usage("--restore needs the folder of the checkpoint: --checkpoints".into()));
+    }
+    Ok(())
+}
+
+/// Limits and endpoints, with what is chosen where nothing was given.
+fn settle(options: &cli::Serve, effective: &mut Effective) -> Result<(Limits, Vec<String>), Failure> {
+    let asked = Limits::read(options.limits.as_deref());
+    let asked = asked.map_err(|error| Failure::Usage(format!("--limits: {error:#}")))?;
+    let mut table = effective.file_limits.clone();
+    table.extend(asked.clone());
+    let limits = Limits::from_table(table).map_err(|error| Failure::Usage(format!("limits: {error:#}")))?;
+    effective.note_limits(&limits, (&asked, options.limits.as_deref()));
+    // A configuration file says where to listen, unless the command line does.
+    let listen = match (&options.tls, options.listen.is_empty() && options.config.is_none()) {
+        (None, true) => vec![DEFAULT_LISTEN.into()],
+        (Some(_), true) => vec![DEFAULT_LISTEN_TLS.into()],
+        (_, false) => options.listen.clone(),
+    };
+    if !listen.is_empty() {
+        effective.choose("listen", listen.clone());
+    }
+    if let (Some(scene), None) = (&options.scene, &options.name) {
+        effective.choose("name", scenes::instance_name(scene));
+    }
+    if options.journal.is_some() || options.resume.is_some() {
+        effective.choose("checkpoint_every", SNAPSHOT_EVERY.as_secs_f64());
+    }
+    Ok((limits, listen))
+}
+
+/// Refuses endpoints, that of the metrics included, which other machines can reach unasked. The metrics have no certificates.
+fn check_exposure(bus: &Bus, metrics: Option<SocketAddr>, insecure: bool) -> anyhow::Result<()> {
+    let Some(exposed) = metrics.filter(|address| !address.ip().is_loopback()) else {
+        return bus.check_exposure(insecure);
+    };
+    if !insecure {
+        return Err(anyhow!(
+            "--metrics: whoever reaches {exposed} can read the report, without a certificate: listen on 127.0.0.1:PORT, or allow it with --insecure"
+        ));
+    }
+    eprintln!("sturz: warning: --insecure: whoever reaches {exposed} can read the report");
+    // Else it would be told that it is not needed.
+    bus.check_exposure(false).or_else(|_| bus.check_exposure(true))
 }
 
 fn interval(seconds: f64) -> Result<Duration, Failure> {
@@ -95,6 +148,9 @@ fn announce(ready: &Ready, paused: bool, json: bool, tls: Option<&Path>) {
     let state = if paused { "paused: it waits for commands" } else { "running" };
     println!("{} is served at {}, {state}", ready.instance, ready.endpoint);
     let tls = tls.map_or_else(String::new, |folder| format!(", tls=\"{}\"", folder.display()));
+    if let Some(metrics) = &ready.metrics {
+        println!("metrics for Prometheus at {metrics}");
+    }
     println!("in Python:  sturz.connect(\"{}\", endpoint=\"{}\"{tls})", ready.instance, ready.endpoint);
     println!("Ctrl-C ends it");
 }
