@@ -16,15 +16,9 @@ fn top_shows_one_view_of_a_paused_run() {
     assert_eq!(top.status.code(), Some(0), "{}", text(&top.stderr));
     let view = text(&top.stdout);
     let particles = format!("particles      {}, ", told["particles"]);
-    for part in [
-        "watched (Heap of cubes)",
-        "state          paused",
-        "step 0",
-        &particles,
-        "no step yet",
-        "residual",
-        "report",
-    ] {
+    for part in
+        ["watched (Heap of cubes)", "state          paused", "step 0", &particles, "no step yet", "residual", "report"]
+    {
         assert!(view.contains(part), "{part} in\n{view}");
     }
     assert!(!view.contains('\x1b'), "no control characters where there is no terminal");
