@@ -15,6 +15,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import functools
+import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Generator
 from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
@@ -306,6 +307,7 @@ class AsyncSimulation:
         if self._closed:
             return
         self._closed = True
+        ended = threading.Event()
 
         def end() -> None:
             try:
@@ -313,15 +315,12 @@ class AsyncSimulation:
             finally:
                 # Whoever still waits for an answer was told that there will be none.
                 self._calls.shutdown()
+                ended.set()
 
-        idle = True
         try:
             await _answer(self._urgent_calls, end, must_begin=True)
-        except asyncio.CancelledError:
-            idle = False
-            raise
         finally:
-            self._urgent_calls.shutdown(wait=idle)
+            self._urgent_calls.shutdown(wait=ended.is_set())
 
     async def __aenter__(self) -> Self:
         return self
@@ -347,27 +346,31 @@ class Opening:
         pool = ThreadPoolExecutor(1, thread_name_prefix="sturz opening")
 
         opened: list[Simulation] = []
+        idle = threading.Event()
+        idle.set()
 
         def work() -> Simulation:
-            opened.append(self._function())
+            idle.clear()
+            try:
+                opened.append(self._function())
+            finally:
+                idle.set()
             return opened[0]
 
         def close_opened() -> None:
+            idle.clear()
             for each in opened:
                 each.close()
+            idle.set()
 
         async def close(_: asyncio.Future[Simulation]) -> None:
             # Nobody will have it, so nobody else would close it. The one thread comes to this when it is there.
             await asyncio.shield(asyncio.wrap_future(pool.submit(close_opened)))
 
-        idle = True
         try:
             return AsyncSimulation(await _answer(pool, work, on_cancel=close))
-        except asyncio.CancelledError:
-            idle = False
-            raise
         finally:
-            pool.shutdown(wait=idle)
+            pool.shutdown(wait=idle.is_set())
 
     def __await__(self) -> Generator[Any, None, AsyncSimulation]:
         return self._open().__await__()
