@@ -55,7 +55,7 @@ geometry:
 
 wheel: $(VENV)/stamp
 	$(PY) -m pip install --quiet --disable-pip-version-check 'maturin>=1.8,<2'
-	cd clients/wheel && ../../$(VENV)/bin/maturin build --release --out ../../out/wheels
+	$(VENV)/bin/maturin build --release --out out/wheels
 
 clean:
 	$(RUST) clean

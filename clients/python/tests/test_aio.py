@@ -216,3 +216,44 @@ def test_commands_take_effect_later() -> None:
             assert (await simulation.state()).gravity_m_per_s2[2] == -1
 
     run(main)
+
+
+def test_what_has_no_twin_is_called_on_a_thread() -> None:
+    async def main() -> None:
+        async with sturz.aio.launch(scene_text=SPACE) as simulation:
+            await simulation.insert_poses(shape="bead", material="glass", positions_m=[[0, 0, 0]])
+            particles = sturz.Participant(simulation.blocking, window_s=1e-3, end_time_s=2e-3)
+            await simulation.call(particles.initialize)
+            while particles.is_coupling_ongoing():
+                particles.write("force_n", [[0, 0, 0]])
+                done = await simulation.call(particles.advance)
+            await simulation.call(particles.finalize)
+            assert done.time_reached_s == 2e-3
+
+    run(main)
+
+
+def test_a_second_cancellation_does_not_wait() -> None:
+    async def main() -> None:
+        async with sturz.aio.launch(scene_text=SPACE) as simulation:
+            loop = asyncio.get_running_loop()
+            go_on, began, ended = threading.Event(), asyncio.Event(), asyncio.Event()
+
+            def slow() -> None:
+                loop.call_soon_threadsafe(began.set)
+                go_on.wait(PATIENCE_S)
+                loop.call_soon_threadsafe(ended.set)
+
+            call = asyncio.create_task(simulation.call(slow))
+            await began.wait()
+            call.cancel()
+            await asyncio.sleep(0)
+            assert not call.done()
+            call.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await call
+            assert not ended.is_set()
+            go_on.set()
+            await ended.wait()
+
+    run(main)
