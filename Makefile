@@ -1,6 +1,6 @@
 # Two commands: `make demo` runs the main job, `make test` passes all the tests. Both need Rust, Python 3.11 or later,
 # a C toolchain and the package registries, and make their own Python environment in .venv.
-.PHONY: help demo test lint bench validate geometry clean
+.PHONY: help demo test lint bench validate geometry wheel clean
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -15,6 +15,7 @@ help:
 	@echo "make lint      format and lints of Rust and Python"
 	@echo "make bench     the workloads on one and two threads (half an hour; settles its beds first)"
 	@echo "make geometry  a million random and degenerate pairs of polyhedra against brute force"
+	@echo "make wheel     one Python wheel with the client and the daemon, in out/wheels"
 	@echo "make validate  the fast cases of closed forms and papers; tables in out/validation.json"
 
 # Made anew when the package's requirements change.
@@ -51,6 +52,10 @@ validate:
 
 geometry:
 	STURZ_PAIRS=1000000 $(RUST) test --release --locked --workspace --lib generic
+
+wheel: $(VENV)/stamp
+	$(PY) -m pip install --quiet --disable-pip-version-check 'maturin>=1.8,<2'
+	$(VENV)/bin/maturin build --release --out out/wheels
 
 clean:
 	$(RUST) clean

@@ -2,6 +2,7 @@
 
 import signal
 import subprocess
+import sysconfig
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from conftest import SPACE, Background, drop, fill, kill, wait_for_state, wait_until
 
 import sturz
+from sturz.daemon import find_binary
 
 
 def test_a_killed_daemon_is_told_to_every_blocked_call_and_stream(drum: sturz.Simulation) -> None:
@@ -125,6 +127,24 @@ def test_launching_what_is_not_there_says_so(tmp_path: Path) -> None:
         sturz.launch("drum-crosses", binary=tmp_path / "sturz")
     with pytest.raises(ValueError, match="one of scene, scene_text and resume"):
         sturz.launch()
+
+
+def test_the_daemon_beside_the_interpreter_comes_before_the_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in ("scripts", "path"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "sturz").touch(mode=0o755)
+    monkeypatch.delenv("STURZ_BINARY", raising=False)
+    monkeypatch.setattr(sturz.daemon, "_REPOSITORY", tmp_path)
+    monkeypatch.setattr(sysconfig, "get_path", lambda name: str(tmp_path / name))
+    monkeypatch.setenv("PATH", str(tmp_path / "path"))
+    assert find_binary() == tmp_path / "scripts" / "sturz"
+    (tmp_path / "scripts" / "sturz").unlink()
+    assert find_binary() == tmp_path / "path" / "sturz"
+    (tmp_path / "path" / "sturz").unlink()
+    with pytest.raises(sturz.LaunchFailed, match="no daemon found"):
+        find_binary()
 
 
 def serve(binary: Path, tmp_path: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":

@@ -6,7 +6,8 @@
 ...     simulation.advance(window_s=0.1)
 ...     print(simulation.state().positions_m.shape)
 
-Units are SI and in the names; angles are in radians. Pictures are in `sturz.plot` (`pip install sturz[plots]`).
+Units are SI and in the names; angles are in radians. Pictures are in `sturz.plot` (`pip install sturz[plots]`), the
+same for asyncio in `sturz.aio`.
 """
 
 from .contacts import NO_BOUNDARY, NO_PARTICLE, ContactKind, Contacts

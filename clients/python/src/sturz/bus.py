@@ -286,8 +286,8 @@ class Bus:
             listener = events.sample_miss_listener(self._callback(lambda miss: missed(miss.nb)))
 
             def stop() -> None:
-                listener.undeclare()
-                events.undeclare()
+                listener.undeclare()  # type: ignore[no-untyped-call]
+                events.undeclare()  # type: ignore[no-untyped-call]
 
             return stop
         return self._session.declare_subscriber(expression, callback).undeclare

@@ -138,7 +138,7 @@ class Contacts:
     @property
     def is_with_boundary(self) -> NDArray[np.bool_]:
         """Whether b is a boundary, (n,)."""
-        return self.boundaries != NO_BOUNDARY
+        return np.asarray(self.boundaries != NO_BOUNDARY)
 
     def forces_on_a_n(self) -> Floats:
         """On a, (n, 3), N; b takes the opposite."""

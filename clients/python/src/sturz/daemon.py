@@ -8,6 +8,7 @@ import os
 import queue
 import shutil
 import subprocess
+import sysconfig
 import tempfile
 import threading
 import time
@@ -22,7 +23,8 @@ _REPOSITORY = Path(__file__).resolve().parents[4]
 
 
 def find_binary(binary: str | os.PathLike[str] | None = None) -> Path:
-    """The daemon: the argument, the environment's STURZ_BINARY, the repository's release build, or the PATH.
+    """The daemon: the argument, the environment's STURZ_BINARY, the repository's release build, the one beside this
+    interpreter (where the wheel puts it), or the PATH.
 
     Raises:
         LaunchFailed: it is nowhere.
@@ -36,7 +38,7 @@ def find_binary(binary: str | os.PathLike[str] | None = None) -> Path:
     built = _REPOSITORY / "target" / "release" / "sturz"
     if built.is_file():
         return built
-    found = shutil.which("sturz")
+    found = shutil.which("sturz", path=sysconfig.get_path("scripts")) or shutil.which("sturz")
     if found is None:
         raise LaunchFailed(
             "no daemon found: build it with `cargo build --release -p sturz-service`, put `sturz` on the PATH, "

@@ -135,7 +135,8 @@ def launch(
         journal: folder for a new journal: what was acknowledged survives the daemon.
         resume: folder of a journal: goes on with its run, instead of starting a scene.
         timeout_s: for start and connection together.
-        binary: the daemon; else the environment's STURZ_BINARY, the repository's release build, or the PATH.
+        binary: the daemon; else the environment's STURZ_BINARY, the repository's release build, the one beside this
+            interpreter, or the PATH.
 
     Raises:
         LaunchFailed: the daemon is nowhere, or refused the scene; the text says why.

@@ -54,6 +54,7 @@ class Stream(Generic[T]):
         self._ended = False
         self._stop: list[Callable[[], None]] = []
         self._worker: threading.Thread | None = None
+        self._listener: Callable[[], None] | None = None
 
     def __repr__(self) -> str:
         return f"Stream({self.name!r}, received={self.received}, dropped={self.dropped})"
@@ -82,12 +83,23 @@ class Stream(Generic[T]):
                 self._frames.popleft()
                 self.dropped_here += 1
             self._frames.append(message)
-            self._changed.notify_all()
+            self._announce()
 
     def _count(self, run_id: str, seq: int) -> None:
         if self._last is not None and self._last[0] == run_id and seq > self._last[1]:
             self.dropped_on_the_way += seq - self._last[1] - 1
         self._last = (run_id, seq)
+
+    def _announce(self) -> None:
+        """Wakes the reader. With the lock held."""
+        self._changed.notify_all()
+        if self._listener is not None:
+            self._listener()
+
+    def when_changed(self, listener: Callable[[], None]) -> None:
+        """Calls `listener` on threads of the bus at every frame and at the end; it must only enqueue."""
+        with self._changed:
+            self._listener = listener
 
     def miss(self, count: int) -> None:
         """So many will not come."""
@@ -99,7 +111,7 @@ class Stream(Generic[T]):
         with self._changed:
             self._failure = self._failure or error
             self._ended = True
-            self._changed.notify_all()
+            self._announce()
 
     def end(self, lost: DaemonGone | None) -> None:
         """Ends the stream; the reader gets the error when there is one."""
@@ -108,7 +120,7 @@ class Stream(Generic[T]):
             return
         with self._changed:
             self._ended = True
-            self._changed.notify_all()
+            self._announce()
 
     def at_close(self, stop: Callable[[], None]) -> None:
         """Has `stop` called by `close`."""
@@ -182,7 +194,7 @@ class Stream(Generic[T]):
             function()
         with self._changed:
             self._ended = True
-            self._changed.notify_all()
+            self._announce()
         worker, self._worker = self._worker, None
         if worker is not None and worker is not threading.current_thread():
             worker.join()

@@ -137,7 +137,8 @@ def _mesh_edges(boundary: Boundary, now: BoundaryState | None, view: View) -> ND
 
 def _draw_mesh(axes: Any, boundary: Boundary, now: BoundaryState | None, view: View) -> None:
     """A mesh by its edges."""
-    axes.add_collection(LineCollection(_mesh_edges(boundary, now, view) * 1e3, colors=INK, linewidths=0.7, zorder=0.2))
+    edges = list(_mesh_edges(boundary, now, view) * 1e3)
+    axes.add_collection(LineCollection(edges, colors=INK, linewidths=0.7, zorder=0.2))
 
 
 def _draw_turn(axes: Any, centre: NDArray[np.float64], radius: float, rad_per_s: float) -> None:
