@@ -161,7 +161,8 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
     let report = publish::stream(&session, Arc::clone(&io), keys.report(), outbox.report.slot()).await?;
     let (more_events, last) = oneshot::channel::<()>();
     let publishing = Notices::open(&session, Arc::clone(&io)).await?.spawn(notices_heard, events_heard, last);
-    let stop_on_stdin_eof = options.stop_on_stdin_eof;
+    // Before anybody can know that there is something to end.
+    let asked = asked_to_end(options.stop_on_stdin_eof)?;
     let (engine, checkpoints) = start_state(scene, &options, letters.clone())?;
     let started = start_physics(
         engine,
@@ -182,7 +183,7 @@ pub async fn serve(scene: Scene, options: Options, ready: impl FnOnce(&Ready)) -
 
     tokio::select! {
         _ = &mut ended => {}
-        () = asked_to_end(stop_on_stdin_eof)? => {
+        () = asked => {
             shared.stop.store(true, Relaxed);
             letters.wake();
             drop(ended.await);

@@ -65,11 +65,12 @@ pub async fn play(options: Options, ready: impl FnOnce(&Ready)) -> Result<(), Se
     thread::Builder::new().name("player".into()).spawn(body).map_err(anyhow::Error::from)?;
     let token = session.liveliness().declare_token(keys.alive()).await.map_err(|error| anyhow!(error))?;
     let run_id: String = session.zid().to_string().chars().take(16).collect();
+    let asked = asked_to_end(stop_on_stdin_eof)?;
     ready(&describe(&session, &keys, run_id).await);
 
     let outcome = tokio::select! {
         outcome = &mut ended => outcome,
-        () = asked_to_end(stop_on_stdin_eof)? => {
+        () = asked => {
             stage.control.set(Mode::Stopping);
             ended.await
         }
