@@ -40,9 +40,9 @@ impl Schedule {
         self.orders.iter().rev().map(|(_, _, ticket)| ticket)
     }
 
-    /// Takes one out.
+    /// Takes one out; of several of one key the next one, as [`Schedule::drain`] does.
     pub fn remove(&mut self, key: &RequestKey) -> Option<Ticket> {
-        let at = self.orders.iter().position(|(_, order, _)| order.key == *key)?;
+        let at = self.orders.iter().rposition(|(_, order, _)| order.key == *key)?;
         Some(self.orders.remove(at).2)
     }
 

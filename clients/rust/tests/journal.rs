@@ -244,6 +244,32 @@ fn a_run_is_not_begun_twice_and_written_by_one_only() {
     fs::remove_dir_all(journal).unwrap();
 }
 
+/// Requests without an id share a key, and those for later do not end in the order in which they came.
+#[test]
+fn requests_without_an_id_are_taken_up_too() {
+    let journal = folder("nameless");
+    let mut daemon = journaled("nameless", &journal, &[]);
+    let simulation = daemon.connect();
+    let later = |at_time_s| Some(v1::CommandHeader { at_time_s, ..Default::default() });
+    let gravity = |x| Some(v1::Vec3 { x, y: 0.0, z: -9.81 });
+    let impatient = Some(Duration::from_millis(50));
+    for (at, x) in [(2e-3, 2.0), (1e-3, 1.0)] {
+        let request = v1::SetGravityRequest { header: later(Some(at)), gravity_m_per_s2: gravity(x) };
+        assert!(simulation.command(Request::SetGravity(request), impatient).is_err());
+    }
+    let request = v1::SetGravityRequest { header: later(None), gravity_m_per_s2: gravity(3.0) };
+    simulation.command(Request::SetGravity(request), Some(SOON)).unwrap();
+    simulation.step(150).unwrap();
+    let expected = place(&simulation);
+    daemon.kill();
+    let mut daemon = Daemon::resume(&journal, &[]);
+    assert_eq!(place(&daemon.connect()), expected);
+    daemon.kill();
+    let (is_same, said) = replay(&journal, "2");
+    assert!(is_same, "{said}");
+    fs::remove_dir_all(journal).unwrap();
+}
+
 /// A run whose log is damaged within is not gone on with; the damage is named.
 #[test]
 fn a_damaged_log_is_refused() {

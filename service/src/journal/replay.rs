@@ -268,11 +268,17 @@ impl Runner<'_> {
 
 impl Replay {
     fn take(&mut self, key: &RequestKey) -> anyhow::Result<v1::Outcome> {
-        let at = self.waiting.iter().position(|(waits, _)| waits == key);
-        let at = at.with_context(|| format!("nothing is known of the request {key:?}"))?;
-        let (_, mut answer) = self.waiting.remove(at);
-        let answer = answer.try_recv().with_context(|| format!("the request {key:?} is not settled here"))?;
-        Ok(answer.outcome)
+        // Requests without an id share one key: the one that is settled here is meant.
+        for k in 0..self.waiting.len() {
+            let (waits, answer) = &mut self.waiting[k];
+            if waits == key
+                && let Ok(answer) = answer.try_recv()
+            {
+                self.waiting.remove(k);
+                return Ok(answer.outcome);
+            }
+        }
+        bail!("the request {key:?} is not settled here")
     }
 
     fn compare(&mut self, key: &RequestKey, logged: &v1::Outcome) -> anyhow::Result<()> {
