@@ -2,6 +2,7 @@
 
 mod recordings;
 mod settings;
+mod study;
 mod watching;
 
 use std::net::SocketAddr;
@@ -12,6 +13,7 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use crate::journal::{Fsync, Keep};
 pub use recordings::{Encoding, Export, ExportPart, Play, Record, RecordTopic};
 pub use settings::{Effective, Source, parse};
+pub use study::Study;
 pub use watching::{Inspect, Top};
 
 /// What the exit codes mean, for `--help`.
@@ -45,6 +47,8 @@ pub enum Command {
     Serve(Box<Serve>),
     /// Run a scene to its end without a bus, and report how good it was
     Run(Run),
+    /// Run a scene over a grid of settings: error against run time, and the cheapest setting for an error
+    Study(Box<Study>),
     /// Tell what a scene needs, its time scales, and every doubt about it
     Check(Check),
     /// List the bundled scenes, or print one

@@ -38,4 +38,5 @@ pub mod schedule;
 pub mod security;
 mod settle;
 pub mod stages;
+pub mod study;
 pub mod ticket;

@@ -12,6 +12,7 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Command::Serve(options) => commands::serve(*options),
         Command::Run(options) => commands::run(&options),
+        Command::Study(options) => commands::study(&options),
         Command::Check(options) => commands::check(&options),
         Command::Scenes(options) => commands::scenes(&options),
         Command::Certs(options) => commands::certs(options),

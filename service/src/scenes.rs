@@ -30,7 +30,9 @@ bundled!(
     "drum-crosses",
     "drum-lifters",
     "drum-spheres",
+    "free-top",
     "pinacoid-layer",
+    "rolling-sphere",
     "spherocylinder-slope"
 );
 

@@ -10,6 +10,7 @@ mod replay;
 mod run;
 mod scenes;
 mod serve;
+mod study;
 mod table;
 mod top;
 
@@ -26,6 +27,7 @@ pub use replay::replay;
 pub use run::run;
 pub use scenes::{scenes, schema};
 pub use serve::serve;
+pub use study::study;
 pub use top::top;
 
 /// Why a command did not do what was asked.
