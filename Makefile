@@ -16,7 +16,7 @@ help:
 	@echo "make bench     the workloads on one and two threads (half an hour; settles its beds first)"
 	@echo "make geometry  a million random and degenerate pairs of polyhedra against brute force"
 	@echo "make wheel     one Python wheel with the client and the daemon, in out/wheels"
-	@echo "make validate  the fast cases of closed forms and papers; tables in out/validation.json"
+	@echo "make validate  cases of closed forms and papers: validation/report.html (TIER=fast: minutes, nightly, release)"
 
 # Made anew when the package's requirements change.
 $(VENV)/stamp: clients/python/pyproject.toml
@@ -46,9 +46,11 @@ bench:
 	$(RUST) run --release --locked -p sturz-tests --bin bench -- all --threads 1 --json out/bench-1.json
 	$(RUST) run --release --locked -p sturz-tests --bin bench -- all --threads 2 --json out/bench-2.json
 
-validate:
-	mkdir -p out
-	$(RUST) run --release --locked -p sturz-tests --bin validate -- --json out/validation.json
+# What is done is kept in out/validation: a run that was stopped goes on.
+TIER ?= fast
+validate: $(VENV)/stamp
+	$(RUST) build --release --locked --workspace --all-targets
+	target/release/validate --tier $(TIER) --report validation/report.html --json out/validation.json --quiet
 
 geometry:
 	STURZ_PAIRS=1000000 $(RUST) test --release --locked --workspace --lib generic

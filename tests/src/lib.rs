@@ -11,4 +11,5 @@
 pub mod bench;
 pub mod cases;
 pub mod faults;
+pub mod report;
 pub mod scene;

@@ -1,10 +1,10 @@
 //! Every fast case of `validate`, as a test: the engine against closed forms, papers and other programs.
 
-use sturz_tests::cases::registry;
+use sturz_tests::cases::{Tier, registry};
 
 #[test]
 fn every_fast_case_is_within_its_tolerance() {
-    let cases: Vec<_> = registry().into_iter().filter(|case| case.fast).collect();
+    let cases: Vec<_> = registry().into_iter().filter(|case| case.tier == Tier::Fast).collect();
     assert!(cases.len() >= 20, "only {} cases", cases.len());
     let mut failed = Vec::new();
     for case in cases {

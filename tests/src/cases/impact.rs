@@ -203,14 +203,18 @@ fn laws() -> [Law; 4] {
 fn restitution_work_precision(checks: &mut Checks) -> anyhow::Result<()> {
     for law in laws() {
         let mut errors = Vec::new();
+        let mut curve = Vec::new();
         for steps in [20, 40, 80, 160, 320] {
+            checks.loop_time_s();
             let error = mean_error(checks, &law, steps)?;
+            curve.push((1.0 / f64::from(steps), checks.loop_time_s(), error));
             if steps == 20 {
                 let (value, half_digit, _) = law.reference;
                 checks.near(format!("{}: error at Tc/20", law.name), error, value, half_digit, "-");
             }
             errors.push(error);
         }
+        checks.work_precision("error of e", "time step over contact duration", law.name, &curve);
         let slope = (errors[1] / errors[4]).log2() / 3.0;
         checks.near(format!("{}: order, Tc/40 to Tc/320", law.name), slope, law.reference.2, 0.1, "-");
     }

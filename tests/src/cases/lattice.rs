@@ -161,6 +161,14 @@ fn work_precision(checks: &mut Checks) -> anyhow::Result<()> {
             checks.near(format!("{name}: largest error over the stated one"), found.worst, 0.5, 0.5, "-");
             curve.push(found);
         }
+        let points = |error: fn(&Errors) -> f64| {
+            let cells = HALVINGS.into_iter().map(|halvings| 1.0 / f64::from(16u32 << halvings));
+            cells.zip(&curve).map(|(size, found)| (size, found.wall_s, error(found))).collect::<Vec<_>>()
+        };
+        for (what, error) in [("V", (|found| found.volume) as fn(&Errors) -> f64), ("I", |found| found.inertia)] {
+            let step = "size of a cell over that of the shape";
+            checks.work_precision(&format!("error of {what}"), step, solid.name, &points(error));
+        }
         let (first, last) = (&curve[0], &curve[HALVINGS.len() - 1]);
         let halvings = (HALVINGS.len() - 1) as f64;
         for (what, order) in [

@@ -169,6 +169,7 @@ pub fn work_precision(checks: &mut Checks) -> anyhow::Result<()> {
     for law in &laws {
         let exact = DEGREES.map(|degrees| law.exact(degrees));
         let mut curves: [Curve; DEGREES.len()] = Default::default();
+        let mut loop_times = Vec::new();
         for steps in STEPS {
             let counted = law.run(checks, steps, true)?;
             let mut walls = Vec::new();
@@ -176,6 +177,7 @@ pub fn work_precision(checks: &mut Checks) -> anyhow::Result<()> {
                 walls.push(law.run(checks, steps, false)?.wall_s);
             }
             walls.sort_by(f64::total_cmp);
+            loop_times.push(walls[REPEATS / 2]);
             let omega_dt = PI / f64::from(steps);
             let name = format!("{}, Tc/{steps} (omega dt {omega_dt:.3})", law.name);
             checks.shows(format!("{name}: loop of steps, median of {REPEATS}"), walls[REPEATS / 2], "s");
@@ -189,6 +191,10 @@ pub fn work_precision(checks: &mut Checks) -> anyhow::Result<()> {
             }
         }
         for (degrees, curve) in DEGREES.into_iter().zip(&curves) {
+            let points: Vec<(f64, f64, f64)> =
+                (0..STEPS.len()).map(|k| (1.0 / f64::from(STEPS[k]), loop_times[k], curve.errors[0][k])).collect();
+            let error = format!("error of e_t at {degrees} deg");
+            checks.work_precision(&error, "time step over contact duration", &law.name, &points);
             judge(checks, law, degrees, curve);
         }
     }
