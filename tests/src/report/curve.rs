@@ -84,16 +84,23 @@ fn draw(curves: &[&Curve]) -> anyhow::Result<String> {
             chart.draw_series(points.into_iter().map(|point| Circle::new(point, 3, colour.filled())))?;
         }
         if curves.len() > 1 {
+            let corner = if rises(curves) { SeriesLabelPosition::LowerRight } else { SeriesLabelPosition::LowerLeft };
             let labels = &mut chart.configure_series_labels();
-            labels
-                .position(SeriesLabelPosition::LowerLeft)
-                .background_style(WHITE.mix(0.8))
-                .label_font(("sans-serif", 11));
-            labels.draw()?;
+            labels.position(corner).background_style(WHITE.mix(0.8)).label_font(("sans-serif", 11)).draw()?;
         }
         root.present()?;
     }
     Ok(text)
+}
+
+/// Whether lines go up to the right: the lower left is taken then.
+fn rises(curves: &[&Curve]) -> bool {
+    let ends = curves.iter().filter_map(|curve| {
+        let by_x = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+        let points = || curve.points.iter().filter(|point| drawable(point));
+        Some((points().min_by(by_x)?.1, points().max_by(by_x)?.1))
+    });
+    ends.map(|(first, last)| (last / first).ln()).sum::<f64>() > 0.0
 }
 
 /// Whole decades around the values, one at least.
