@@ -35,15 +35,20 @@ impl Engine {
         materials.sort_unstable();
         materials.dedup();
         self.scene.check_pairs_among(&materials, "insert.material")?;
-        self.scene.check_time_step(self.clock.nominal_time_step_s(), &new, "insert")?;
+        self.written.check_time_step(self.clock.nominal_time_step_s(), &new, "insert")?;
         let effect = Effect::Inserted { first_id: self.next_id, count: new.len() as u64 };
         if !new.is_empty() {
-            self.change_particles(|engine| {
-                engine.next_id += new.len() as u64;
-                new.iter().for_each(|particle| engine.particles.push(particle));
-            });
+            self.add_particles(&new);
         }
         Ok(effect)
+    }
+
+    /// Takes particles of the next ids in.
+    pub(crate) fn add_particles(&mut self, new: &[NewParticle]) {
+        self.change_particles(|engine| {
+            engine.next_id += new.len() as u64;
+            new.iter().for_each(|particle| engine.particles.push(particle));
+        });
     }
 
     fn remove(&mut self, ids: &[u64]) -> Result<Effect, InvalidInput> {
@@ -67,17 +72,22 @@ impl Engine {
 
     /// Changes the owned rows, keeps the springs of pairs that stay, and books the energy that came or went.
     fn change_particles(&mut self, change: impl FnOnce(&mut Self) + Send) {
+        self.change_state(change);
+        self.topology_epoch += 1;
+    }
+
+    /// Changes rows or laws between two steps, keeps the springs of pairs that stay, and books the energy that came or went.
+    pub(crate) fn change_state(&mut self, change: impl FnOnce(&mut Self) + Send) {
         let before = self.mechanical_energy().total();
         self.in_pool(|engine| {
             let springs = engine.contacts.springs(&engine.particles);
             engine.particles.drop_ghosts();
             change(engine);
             engine.contacts.clear();
-            engine.kept_springs = springs;
+            engine.kept_springs = if engine.scene.plan().keeps_springs() { springs } else { Vec::new() };
             engine.prepare();
         });
         self.ledger.work_commands += self.mechanical_energy().total() - before;
-        self.topology_epoch += 1;
     }
 
     fn set_gravity(&mut self, gravity: &[f64; 3]) -> Result<Effect, InvalidInput> {
@@ -87,6 +97,10 @@ impl Engine {
         }
         let before = self.mechanical_energy().potential;
         self.gravity = Vec3::from(*gravity);
+        if let Some(run) = &mut self.stages {
+            run.gravity = self.gravity;
+            self.take_laws_of_stage();
+        }
         self.ledger.work_commands += self.mechanical_energy().potential - before;
         Ok(Effect::GravitySet)
     }
@@ -132,6 +146,7 @@ impl Engine {
                     orientation: particles.orientation[row],
                     velocity: particles.velocity[row],
                     angular_velocity: particles.angular_velocity(row),
+                    frozen: particles.is_frozen(row),
                 }
             })
             .collect()

@@ -70,6 +70,8 @@ columns!(
         Forces = "forces",
         /// Of contacts about the centre of mass, N m.
         Torques = "torques",
+        /// 1 where the particle keeps its velocity whatever pushes, else 0.
+        Frozen = "frozen",
     }
 );
 
@@ -82,9 +84,9 @@ impl ParticleColumn {
         matches!(self, Self::Forces | Self::Torques)
     }
 
-    /// Where nothing is chosen: all but forces and torques.
+    /// Where nothing is chosen: all but forces, torques and who is frozen.
     pub fn usual() -> Vec<Self> {
-        Self::ALL.iter().copied().filter(|column| !column.is_force()).collect()
+        Self::ALL.iter().copied().filter(|&column| !column.is_force() && column != Self::Frozen).collect()
     }
 }
 
@@ -158,7 +160,7 @@ mod tests {
         assert_eq!(ParticleColumn::select::<&str>(&[]), Ok(vec![Ids]));
         assert_eq!(ParticleColumn::select(&["ids", "all"]), Ok(ParticleColumn::ALL.to_vec()));
         assert_eq!(ParticleColumn::select(&["ids", "colour"]), Err(1));
-        assert_eq!(ParticleColumn::usual().len() + 2, ParticleColumn::ALL.len());
+        assert_eq!(ParticleColumn::usual().len() + 3, ParticleColumn::ALL.len());
         let keys = [ContactColumn::Ids, ContactColumn::Boundaries];
         assert_eq!(ContactColumn::select(&["ids"]), Ok(keys.to_vec()));
     }

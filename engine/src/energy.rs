@@ -67,7 +67,7 @@ impl Ledger {
 }
 
 impl Engine {
-    /// Energies stored now, summed in the order of ids.
+    /// Energies stored now, summed in the order of ids; without those of frozen particles, which are like boundaries.
     pub(crate) fn mechanical_energy(&self) -> MechanicalEnergy {
         let particles = &self.particles;
         let cell = self.scene.cell();
@@ -77,6 +77,9 @@ impl Engine {
         };
         for row in particles.rows_by_id() {
             let row = row as usize;
+            if particles.is_frozen(row) {
+                continue;
+            }
             let mass = particles.mass[row];
             energy.translation += 0.5 * mass * particles.velocity[row].norm_squared();
             let momentum_in_body = particles.rotation[row].tr_mul(&particles.angular_momentum[row]);

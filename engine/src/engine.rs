@@ -11,17 +11,29 @@ use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, 
 use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
 use crate::gather::gather;
+use crate::happening::Happening;
+use crate::inflow::InflowRun;
 use crate::integrate::{self, LocalDamping};
 use crate::loads::Loads;
 use crate::math::Vec3;
 use crate::particles::{ContactMotion, Particles};
 use crate::report::WarningCounts;
 use crate::scene::{Scene, SharingScope};
+use crate::stages::StageRun;
 use crate::timing::{Stage, StageTimer};
 
 /// A running simulation.
 pub struct Engine {
+    /// With the laws that hold now: those of the stage under way.
     pub(crate) scene: Arc<Scene>,
+    /// As the user wrote it.
+    pub(crate) written: Arc<Scene>,
+    /// Where it is in its stages, where it has any.
+    pub(crate) stages: Option<StageRun>,
+    /// By inflow of the scene.
+    pub(crate) inflows: Vec<InflowRun>,
+    /// Not taken yet.
+    pub(crate) happenings: Vec<Happening>,
     pub(crate) clock: Clock,
     pub(crate) gravity: Vec3,
     pub(crate) particles: Particles,
@@ -36,6 +48,8 @@ pub struct Engine {
     pub(crate) loads: Option<Loads>,
     /// Of the last evaluation, where the scene damps locally.
     pub(crate) local_damping: LocalDamping,
+    /// Of frozen particles that move on the others, at the last evaluation, W.
+    pub(crate) frozen_power: f64,
     pub(crate) warnings: WarningCounts,
     pub(crate) largest_ratio_so_far: f64,
     pub(crate) next_id: u64,
@@ -73,7 +87,11 @@ impl Engine {
         let scene = Arc::clone(&engine.scene);
         scene.particles().iter().for_each(|particle| engine.particles.push(particle));
         engine.next_id = scene.particles().len() as u64;
+        engine.begin_stages();
         engine.failure = engine.in_pool(Self::relax).err();
+        if let Some(bed) = scene.bed().filter(|_| engine.scene.plan().keeps_springs()) {
+            engine.kept_springs = bed.springs().to_vec();
+        }
         engine.in_pool(Self::prepare);
         engine.ledger.initial = engine.mechanical_energy().total();
         engine
@@ -94,6 +112,7 @@ impl Engine {
             ledger: Ledger::default(),
             loads: None,
             local_damping: LocalDamping::default(),
+            frozen_power: 0.0,
             warnings: WarningCounts::default(),
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
@@ -103,6 +122,10 @@ impl Engine {
             layout: OnceLock::new(),
             pool,
             timer: None,
+            stages: None,
+            inflows: vec![InflowRun::default(); scene.description().inflows.len()],
+            happenings: Vec::new(),
+            written: Arc::clone(&scene),
             scene,
         }
     }
@@ -112,7 +135,7 @@ impl Engine {
         Self {
             layout: self.layout.clone(),
             most_pairs: self.most_pairs,
-            ..Self::blank(Arc::clone(&self.scene), Arc::clone(&self.pool))
+            ..Self::blank(Arc::clone(&self.written), Arc::clone(&self.pool))
         }
     }
 
@@ -150,8 +173,14 @@ impl Engine {
             }
             return Err(StepError::Stopped { step: self.clock.step(), reason: failure.to_string() });
         }
+        if !self.inflows.is_empty() {
+            self.feed_inflows();
+        }
         let outcome = self.in_pool(Self::step_stages);
         self.failure = outcome.as_ref().err().cloned();
+        if self.stages.is_some() && outcome.is_ok() {
+            self.follow_stages();
+        }
         outcome
     }
 
@@ -176,9 +205,10 @@ impl Engine {
         &self.clock
     }
 
-    /// The scene that was started.
+    /// The scene that was started, whatever stage it is in.
+    #[expect(clippy::misnamed_getters, reason = "the field of this name has the laws of the stage under way")]
     pub fn scene(&self) -> &Scene {
-        &self.scene
+        &self.written
     }
 
     /// Particles present.
@@ -216,6 +246,7 @@ impl Engine {
         self.find_contacts();
         self.evaluate_with(0.0);
         self.gather_forces();
+        self.frozen_power = self.present_frozen_power();
         self.damp_locally(0.0);
         self.sums = self.contacts.sums();
         self.ledger.restart(&self.sums);
@@ -352,6 +383,23 @@ impl Engine {
 
     pub(crate) fn gather_forces(&mut self) {
         gather(&mut self.particles, &self.contacts, &self.neighbours);
+    }
+
+    /// Of frozen particles on the others, W: they take part like boundaries.
+    fn present_frozen_power(&self) -> f64 {
+        let particles = &self.particles;
+        let frozen = particles.frozen.iter().take(particles.n_owned()).enumerate().filter(|(_, frozen)| **frozen);
+        frozen.map(|(row, _)| -particles.force[row].dot(&particles.velocity[row])).sum()
+    }
+
+    /// Books the work of frozen particles that move, where the scene has any.
+    pub(crate) fn book_frozen_work(&mut self) {
+        if self.particles.frozen.is_empty() {
+            return;
+        }
+        let power = self.present_frozen_power();
+        self.ledger.work_boundaries += 0.5 * self.clock.time_step_s() * (self.frozen_power + power);
+        self.frozen_power = power;
     }
 
     /// Adds local damping to the gathered forces, where the scene has it, and books what it took over a time.

@@ -244,6 +244,13 @@ impl Loads {
         self.rows
             .load
             .extend(particles.ids.iter().map(|id| self.ids.binary_search(id).map_or(NO_LOAD, |at| at as u32)));
+        // nothing pushes what is frozen
+        self.rows
+            .load
+            .iter_mut()
+            .zip(&particles.frozen)
+            .filter(|(_, frozen)| **frozen)
+            .for_each(|(load, _)| *load = NO_LOAD);
         self.rows.kept.resize(particles.n_owned(), [Vec3::zeros(); 2]);
     }
 

@@ -30,6 +30,8 @@ pub struct NewParticle {
     pub velocity: Vec3,
     /// World axes, rad/s.
     pub angular_velocity: Vec3,
+    /// Keeps its velocity, whatever pushes.
+    pub frozen: bool,
 }
 
 /// Columns by use. The first group moves, the second describes, the third is scratch of one step.
@@ -64,6 +66,8 @@ pub struct Particles {
     pub mass: Vec<f64>,
     /// Principal moments, kg m2 (n_owned).
     pub inertia: Vec<Vec3>,
+    /// Keeps its velocity, whatever pushes (n_owned + n_ghosts); empty where nobody does.
+    pub frozen: Vec<bool>,
 
     /// World from body as a matrix (n_owned + n_ghosts).
     pub rotation: Vec<Mat3>,
@@ -112,6 +116,7 @@ struct SelectScratch {
     matrix: Vec<Mat3>,
     motion: Vec<ContactMotion>,
     image: Vec<[i32; 3]>,
+    flag: Vec<bool>,
 }
 
 /// Velocities of one particle during the force evaluation, world axes.
@@ -143,6 +148,12 @@ impl Particles {
     pub fn push(&mut self, new: &NewParticle) {
         debug_assert!(self.ghost_owner.is_empty());
         let rotation = new.orientation.to_rotation_matrix().into_inner();
+        if new.frozen && self.frozen.is_empty() {
+            self.frozen.resize(self.ids.len(), false);
+        }
+        if new.frozen || !self.frozen.is_empty() {
+            self.frozen.push(new.frozen);
+        }
         self.ids.push(new.id);
         self.position.push(new.position);
         self.velocity.push(new.velocity);
@@ -177,6 +188,7 @@ impl Particles {
         self.motion.truncate(n);
         self.offset.truncate(n);
         self.odometer.truncate(n);
+        self.frozen.truncate(n);
         self.ghost_owner.clear();
         self.ghost_shift.clear();
     }
@@ -193,6 +205,9 @@ impl Particles {
         self.motion.push(self.motion[owner]);
         self.offset.push(self.offset[owner] + shift);
         self.odometer.push(self.odometer[owner]);
+        if !self.frozen.is_empty() {
+            self.frozen.push(self.frozen[owner]);
+        }
         self.ghost_owner.push(owner as u32);
         self.ghost_shift.push(shift);
     }
@@ -262,6 +277,29 @@ impl Particles {
         column(&mut self.motion, rows, &mut scratch.motion);
         column(&mut self.offset, rows, &mut scratch.vector);
         column(&mut self.odometer, rows, &mut scratch.number);
+        if !self.frozen.is_empty() {
+            column(&mut self.frozen, rows, &mut scratch.flag);
+            if !self.frozen.contains(&true) {
+                self.frozen.clear();
+            }
+        }
+    }
+
+    /// Whether a row or image keeps its velocity, whatever pushes.
+    #[inline(always)]
+    pub fn is_frozen(&self, row: usize) -> bool {
+        !self.frozen.is_empty() && self.frozen[row]
+    }
+
+    /// Mass of two rows' relative motion, kg; one that is frozen has an infinite mass.
+    #[inline(always)]
+    pub fn reduced_mass(&self, a: usize, b: usize) -> f64 {
+        let (mass_a, mass_b) = (self.mass[a], self.mass[b]);
+        match [self.is_frozen(a), self.is_frozen(b)] {
+            [false, false] => mass_a * mass_b / (mass_a + mass_b),
+            [true, _] => mass_b,
+            [false, true] => mass_a,
+        }
     }
 
     /// Vector from `a` to `b`.

@@ -26,7 +26,7 @@ impl Engine {
             let particles = &self.particles;
             particles.rows_by_id().into_iter().map(|row| particles.angular_velocity(row as usize)).collect()
         };
-        let mobility = self.scene.relaxation_times_squared();
+        let mobility = self.scene.relaxation_times_squared(self.written.particles());
         self.particles.motion.fill(ContactMotion::default());
         self.neighbours.invalidate();
         self.relaxing = true;
@@ -83,13 +83,17 @@ fn move_along(
     (rotates, half_thickness): (&[bool], &[f64]),
 ) {
     let n = particles.n_owned();
-    let Particles { ids, position, orientation, rotation, odometer, force, torque, shape, .. } = particles;
+    let Particles { ids, position, orientation, rotation, odometer, force, torque, shape, frozen, .. } = particles;
+    let frozen = &*frozen;
     let (scale, radius, mass, inertia) = (&particles.scale, &particles.radius, &particles.mass, &particles.inertia);
     (&mut position[..n], &mut orientation[..n], &mut rotation[..n], &mut odometer[..n])
         .into_par_iter()
         .enumerate()
         .with_min_len(least(n, 512, 15))
         .for_each(|(row, (position, orientation, rotation, odometer))| {
+            if !frozen.is_empty() && frozen[row] {
+                return;
+            }
             let (time2, shape) = (mobility[ids[row] as usize], shape[row] as usize);
             let way = force[row] * (time2 / mass[row]);
             let turn = if rotates[shape] {

@@ -27,6 +27,8 @@ pub struct Snapshot {
     pub velocities: Vec<[f64; 3]>,
     /// Angular velocity in world axes, rad/s.
     pub angular_velocities: Vec<[f64; 3]>,
+    /// 1 where the particle is frozen, else 0; empty where none is.
+    pub frozen: Vec<u32>,
     /// Sum of the contact forces, N, with local damping where the scene has it; without gravity and loads. Empty unless
     /// [`Engine::snapshot_forces`](crate::Engine::snapshot_forces) was called.
     pub forces: Vec<[f64; 3]>,

@@ -30,6 +30,7 @@ impl Engine {
         self.lap(Stage::Forces);
 
         self.gather_forces();
+        self.book_frozen_work();
         self.damp_locally(self.clock.time_step_s());
         self.lap(Stage::Gather);
 

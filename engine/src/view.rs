@@ -35,6 +35,8 @@ impl Engine {
         );
         fill(&mut snapshot.velocities, rows().map(|row| particles.velocity[row].into()));
         fill(&mut snapshot.angular_velocities, rows().map(|row| particles.angular_velocity(row).into()));
+        let any_frozen = !particles.frozen.is_empty();
+        fill(&mut snapshot.frozen, rows().filter(|_| any_frozen).map(|row| u32::from(particles.frozen[row])));
         snapshot.forces.clear();
         snapshot.torques.clear();
         snapshot.boundaries = self.boundary_states();
@@ -89,7 +91,8 @@ impl Engine {
     pub fn report(&self) -> Report {
         let particles = &self.particles;
         let (touching_pairs, touching_boundary_pairs) = self.count_touching();
-        let momentum: Vec3 = (0..particles.n_owned()).map(|row| particles.velocity[row] * particles.mass[row]).sum();
+        let free = (0..particles.n_owned()).filter(|&row| !particles.is_frozen(row));
+        let momentum: Vec3 = free.map(|row| particles.velocity[row] * particles.mass[row]).sum();
         let from_walls: Vec3 = self.touching_walls().map(|(_, wrench)| wrench.force).sum();
         let total: Vec3 = particles.force.iter().sum();
         let bounds = self.scene.contact_bounds(&self.present());
@@ -215,10 +218,17 @@ impl Engine {
             words(particles.orientation[row].coords.as_slice());
             words(particles.angular_momentum[row].as_slice());
             words(&image);
+            if particles.is_frozen(row) {
+                words(&[1.0]);
+            }
         }
         for boundary in &self.boundaries {
             words(&boundary.state_words());
         }
+        if let Some(run) = &self.stages {
+            words(&run.words());
+        }
+        self.inflows.iter().for_each(|run| words(&run.words()));
         if let Some(loads) = &self.loads {
             loads.words(&mut words);
         }

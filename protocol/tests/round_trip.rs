@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use prost::Message;
 use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
-use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange};
+use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleLaw};
 use sturz_engine::{FloatType, ParticleColumn};
 use sturz_engine::{InvalidInput, Snapshot};
 use sturz_protocol::convert;
@@ -54,18 +54,34 @@ fn placement() -> impl Strategy<Value = Placement> {
                 attempts
             }
         ),
+        (vector(), vector(), any::<u32>(), any::<bool>()).prop_map(|(min_m, max_m, count, fixed_orientation)| {
+            Placement::Deposition { region: Region::Box { min_m, max_m }, count, fixed_orientation }
+        }),
     ]
 }
 
 fn insertion() -> impl Strategy<Value = InsertionDescription> {
-    (".*", ".*", placement(), vector(), vector(), number(), number()).prop_map(
-        |(shape, material, placement, velocity_m_per_s, angular_velocity_rad_per_s, min, max)| InsertionDescription {
-            shape,
-            material,
-            placement,
-            velocity_m_per_s,
-            angular_velocity_rad_per_s,
-            scale: ScaleRange { min, max },
+    let scale = prop_oneof![
+        (number(), number()).prop_map(|(min, max)| ScaleLaw::Uniform { min, max }),
+        (number(), number(), number(), number()).prop_map(|(mean, standard_deviation, min, max)| {
+            ScaleLaw::Normal { mean, standard_deviation, min, max }
+        }),
+        (number(), number(), number(), number()).prop_map(|(median, log_standard_deviation, min, max)| {
+            ScaleLaw::Lognormal { median, log_standard_deviation, min, max }
+        }),
+        prop::collection::vec([number(), number()], 0..5).prop_map(|rows| ScaleLaw::Table { rows }),
+    ];
+    (".*", ".*", placement(), vector(), vector(), scale, any::<bool>()).prop_map(
+        |(shape, material, placement, velocity_m_per_s, angular_velocity_rad_per_s, scale, frozen)| {
+            InsertionDescription {
+                shape,
+                material,
+                placement,
+                velocity_m_per_s,
+                angular_velocity_rad_per_s,
+                scale,
+                frozen,
+            }
         },
     )
 }
@@ -211,7 +227,8 @@ fn poses(positions: &[[f64; 3]], orientations: &[[f64; 4]]) -> v1::InsertRequest
         placement,
         velocity_m_per_s: [0.0; 3],
         angular_velocity_rad_per_s: [0.0; 3],
-        scale: ScaleRange::default(),
+        scale: ScaleLaw::default(),
+        frozen: false,
     })
 }
 

@@ -49,6 +49,8 @@ pub enum Command {
     Run(Run),
     /// Run a scene over a grid of settings: error against run time, and the cheapest setting for an error
     Study(Box<Study>),
+    /// Run a scene through its stages and write a checkpoint that later scenes start from
+    Prepare(Prepare),
     /// Tell what a scene needs, its time scales, and every doubt about it
     Check(Check),
     /// List the bundled scenes, or print one
@@ -144,6 +146,9 @@ pub struct Serve {
     /// Start from the checkpoint of this token instead of at step 0; `newest`: from the one with the most steps
     #[arg(long, value_name = "TOKEN", help_heading = "What is kept")]
     pub restore: Option<String>,
+    /// Start with the bed of this file, which `sturz prepare` has written, instead of the scene's `[start]`
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["resume", "restore"], help_heading = "What is kept")]
+    pub from: Option<PathBuf>,
     /// Threads of the physics
     #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
@@ -191,10 +196,36 @@ pub struct Run {
     /// Simulated time at which to end, s; the scene's `[stop] time_s` when absent
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
+    /// Start with the bed of this file, which `sturz prepare` has written, instead of the scene's `[start]`
+    #[arg(long, value_name = "FILE")]
+    pub from: Option<PathBuf>,
     /// Threads of the physics
     #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Print the report as JSON, and no progress
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `sturz prepare`
+#[derive(Debug, Args)]
+pub struct Prepare {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgument,
+    /// File to write; replaced if it is there
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Simulated time at which to end, s, if the stages are not over before; the scene's `[stop] time_s` when absent
+    #[arg(long, value_name = "SECONDS")]
+    pub until: Option<f64>,
+    /// Start with the bed of this file, which `sturz prepare` has written, instead of the scene's `[start]`
+    #[arg(long, value_name = "FILE")]
+    pub from: Option<PathBuf>,
+    /// Threads of the physics
+    #[arg(long, env = "STURZ_THREADS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Print what was written as JSON, and no progress
     #[arg(long)]
     pub json: bool,
 }

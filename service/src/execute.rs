@@ -302,6 +302,7 @@ fn insertion_path(placement: &Placement, path: &str) -> String {
     match placement {
         Placement::Poses { .. } => format!("placement.poses{rest}"),
         Placement::Lattice { .. } => format!("placement.lattice{}", rest.replace(".counts", ".count_x")),
+        Placement::Deposition { .. } => format!("placement.deposition{}", rest.replace(".region", ".box")),
         Placement::Random { region, .. } => {
             let shape = match region {
                 Region::Box { .. } => ".box",
@@ -338,12 +339,12 @@ fn expected_count(scene: &Scene, insertion: &InsertionDescription) -> u64 {
     match &insertion.placement {
         Placement::Poses { positions_m, .. } => positions_m.len() as u64,
         Placement::Lattice { counts, .. } => counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul),
-        Placement::Random { count: Some(count), .. } => u64::from(*count),
+        Placement::Random { count: Some(count), .. } | Placement::Deposition { count, .. } => u64::from(*count),
         Placement::Random { region, solid_fraction, .. } => {
             let names = scene.description().shapes.iter().map(|shape| &shape.name);
             let shape = names.zip(scene.shapes()).find(|(name, _)| **name == insertion.shape);
             let volume = shape.map_or(f64::INFINITY, |(_, shape)| shape.mass_properties().volume);
-            let smallest = volume * insertion.scale.min.powi(3);
+            let smallest = volume * insertion.scale.range()[0].powi(3);
             // `as` saturates: what is no number at all is the engine's to refuse
             (solid_fraction.unwrap_or(0.0) * region_volume(region) / smallest).ceil() as u64
         }

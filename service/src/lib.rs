@@ -12,6 +12,7 @@ pub mod checkpoints;
 pub mod cli;
 pub mod commands;
 pub mod config;
+pub mod course;
 pub mod daemon;
 pub mod events;
 mod execute;

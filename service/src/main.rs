@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Serve(options) => commands::serve(*options),
         Command::Run(options) => commands::run(&options),
         Command::Study(options) => commands::study(&options),
+        Command::Prepare(options) => commands::prepare(&options),
         Command::Check(options) => commands::check(&options),
         Command::Scenes(options) => commands::scenes(&options),
         Command::Certs(options) => commands::certs(options),

@@ -307,6 +307,7 @@ fn check_insertion(insertion: &InsertionDescription, limits: &Limits) -> Result<
             let count = counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul);
             ("placement.lattice.count_x", count)
         }
+        Placement::Deposition { count, .. } => ("placement.deposition.count", u64::from(*count)),
         Placement::Random { count, .. } => ("placement.random.count", u64::from(count.unwrap_or(0))),
     };
     if count > limits.insertion_particles {

@@ -201,6 +201,7 @@ impl Runner<'_> {
         let result = self.engine.step();
         let now = self.moment();
         self.shared.set_moment(now);
+        self.tell_happenings();
         if let Some(window) = &mut self.window {
             window.steps_done += 1;
         }

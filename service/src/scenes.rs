@@ -1,8 +1,9 @@
 //! Scenes that come with the program, and scenes from files.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use sturz_engine::scene::{Scene, SceneDescription};
+use sturz_engine::scene::{FileBytes, Scene, SceneDescription, StartSection};
 
 use crate::commands::Failure;
 
@@ -50,6 +51,15 @@ impl Bundled {
 
 /// Reads a bundled scene or a file.
 pub fn read(scene: &str) -> Result<SceneDescription, Failure> {
+    read_with_files(scene, |_| {})
+}
+
+/// The same with the bed of its `[start]` left alone.
+fn read_without_start(scene: &str) -> Result<SceneDescription, Failure> {
+    read_with_files(scene, |description| description.start = None)
+}
+
+fn read_with_files(scene: &str, change: impl FnOnce(&mut SceneDescription)) -> Result<SceneDescription, Failure> {
     if let Some(bundled) = Bundled::named(scene) {
         return bundled.description();
     }
@@ -60,6 +70,7 @@ pub fn read(scene: &str) -> Result<SceneDescription, Failure> {
     })?;
     let described = SceneDescription::from_toml(&text);
     let mut description = described.map_err(|error| Failure::Scene(format!("{scene}: {}", error.problem)))?;
+    change(&mut description);
     let folder = path.parent().unwrap_or(Path::new(""));
     let files = description.read_files(|name| std::fs::read(folder.join(name)));
     files.map_err(|problems| Failure::Scene(format!("{scene} cannot be used:\n{problems}")))?;
@@ -69,6 +80,15 @@ pub fn read(scene: &str) -> Result<SceneDescription, Failure> {
 /// Reads a scene and proves it usable.
 pub fn load(scene: &str) -> Result<Scene, Failure> {
     Scene::validate(read(scene)?).map_err(|problems| Failure::Scene(format!("{scene} cannot be used:\n{problems}")))
+}
+
+/// The same, starting with the bed of a file that `sturz prepare` has written, where one is given.
+pub fn load_from(scene: &str, from: Option<&Path>) -> Result<Scene, Failure> {
+    let Some(from) = from else { return load(scene) };
+    let bytes = std::fs::read(from).map_err(|error| Failure::Usage(format!("--from {}: {error}", from.display())))?;
+    let start = StartSection { checkpoint: from.display().to_string(), bytes: FileBytes(Arc::new(bytes)) };
+    let description = SceneDescription { start: Some(start), ..read_without_start(scene)? };
+    Scene::validate(description).map_err(|problems| Failure::Scene(format!("{scene} cannot be used:\n{problems}")))
 }
 
 /// Last part of the name or path, as a name on the bus.

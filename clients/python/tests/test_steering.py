@@ -169,7 +169,7 @@ def test_single_precision_and_chosen_columns(space: sturz.Simulation) -> None:
     assert state.positions_m[0, 0] == np.float32(1 / 3)
     assert set(space.state(columns=[]).columns) == {"ids"}
     assert set(space.state(columns=["all"]).columns) == set(space.features().columns)
-    assert set(space.state().columns) == set(space.features().columns) - {"forces", "torques"}
+    assert set(space.state().columns) == set(space.features().columns) - {"forces", "torques", "frozen"}
     with pytest.raises(sturz.CommandError, match="colour") as caught:
         space.state(columns=["positions", "colour"])
     assert (caught.value.code, caught.value.path) == (sturz.ErrorCode.NOT_FOUND, "columns")

@@ -25,6 +25,8 @@ pub struct Insertion {
     pub angular_velocity_rad_per_s: [f64; 3],
     /// Smallest and largest size relative to the shape; uniformly random between them.
     pub scale: [f64; 2],
+    /// They keep their velocity whatever pushes them: a rough base.
+    pub frozen: bool,
 }
 
 /// Where particles are inserted.
@@ -58,6 +60,17 @@ pub enum Placement {
         fixed_orientation: bool,
         /// Per particle before the insertion is refused; the daemon's default when `None`.
         attempts: Option<u32>,
+    },
+    /// By circumscribed spheres that drop one after the other into a box and roll to local minima of height.
+    Deposition {
+        /// Lower corner of the box, m.
+        min_m: [f64; 3],
+        /// Upper corner, m.
+        max_m: [f64; 3],
+        /// How many.
+        count: u32,
+        /// Unrotated instead of random.
+        fixed_orientation: bool,
     },
 }
 
@@ -103,6 +116,7 @@ impl Insertion {
             velocity_m_per_s: [0.0; 3],
             angular_velocity_rad_per_s: [0.0; 3],
             scale: [1.0; 2],
+            frozen: false,
         }
     }
 }
@@ -130,6 +144,8 @@ impl From<Insertion> for v1::InsertRequest {
             velocity_m_per_s: Some(vec3(insertion.velocity_m_per_s)),
             angular_velocity_rad_per_s: Some(vec3(insertion.angular_velocity_rad_per_s)),
             scale: Some(v1::ScaleRange { min, max }),
+            scale_law: None,
+            frozen: insertion.frozen,
         }
     }
 }
@@ -162,6 +178,10 @@ impl From<Placement> for v1::insert_request::Placement {
                 fixed_orientation,
                 attempts,
             }),
+            Placement::Deposition { min_m, max_m, count, fixed_orientation } => {
+                let region = v1::BoxRegion { min_m: Some(vec3(min_m)), max_m: Some(vec3(max_m)) };
+                Self::Deposition(v1::DepositionPlacement { r#box: Some(region), count, fixed_orientation })
+            }
         }
     }
 }

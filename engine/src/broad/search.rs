@@ -114,6 +114,9 @@ impl Search<'_> {
                 if same_level && other <= row {
                     continue;
                 }
+                if particles.is_frozen(row) && particles.is_frozen(other) {
+                    continue;
+                }
                 let reach = reach + particles.radius[other];
                 if particles.separation(row, other).norm_squared() >= reach * reach {
                     continue;
@@ -181,6 +184,9 @@ impl Search<'_> {
 
     fn find_walls(&self, row: usize, found: &mut Found) {
         let (particles, inputs) = (self.particles, self.inputs);
+        if particles.is_frozen(row) {
+            return;
+        }
         for (index, boundary) in inputs.boundaries.iter().enumerate() {
             if let Some((mesh, first)) = boundary.numbered_mesh() {
                 self.find_elements(row, boundary, (mesh, first), found);

@@ -43,6 +43,7 @@ impl Cloud {
                 orientation: Quat::identity(),
                 velocity: Vec3::zeros(),
                 angular_velocity: Vec3::zeros(),
+                frozen: false,
             });
         }
         particles

@@ -97,6 +97,11 @@ impl<'a> Sections<'a> {
         Reader(content).get_all().map_err(|malformed| error(malformed.0))
     }
 
+    /// The next section, if it has this name: one that is written only where it says something.
+    pub fn optional<T: Pack>(&mut self, tag: Tag) -> Result<Option<T>, CheckpointError> {
+        if self.0.0.starts_with(&tag) { self.section(tag).map(Some) } else { Ok(None) }
+    }
+
     /// There must be no more.
     pub fn end(self) -> Result<(), CheckpointError> {
         if self.0.0.is_empty() {

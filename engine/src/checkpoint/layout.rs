@@ -47,6 +47,16 @@ pub(super) fn layout(scene: &SceneDescription, time_step_s: f64) -> Layout {
     ]
 }
 
+/// Of the stages and of the inflows of a scene.
+pub(super) fn course_layout(scene: &SceneDescription) -> [u64; 2] {
+    [hash(&scene.stages), hash(&scene.inflows)]
+}
+
+/// Of a scene without any.
+pub(super) fn course_layout_of_none() -> [u64; 2] {
+    [hash(&[(); 0]); 2]
+}
+
 /// Names of the sections that differ.
 pub(super) fn differing(a: &Layout, b: &Layout) -> Vec<&'static str> {
     (0..SECTIONS.len()).filter(|&k| a[k] != b[k]).map(|k| SECTIONS[k]).collect()

@@ -21,6 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bed;
 pub(crate) mod codec;
 mod container;
 mod error;
@@ -29,6 +30,8 @@ mod state;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use bed::Bed;
+use bed::WrittenScene;
 use codec::pack_fields;
 use container::{Sections, Tag, Writer};
 pub use error::CheckpointError;
@@ -45,6 +48,12 @@ const PARTICLES: Tag = *b"PART";
 const SPRINGS: Tag = *b"SPRG";
 const TOUCHING: Tag = *b"TOUC";
 const LOADS: Tag = *b"LOAD";
+/// Only where somebody is frozen.
+const FROZEN: Tag = *b"FROZ";
+/// Only where the scene has stages or inflows.
+const COURSE: Tag = *b"COUR";
+/// Only where other scenes are to start with it.
+const SCENE: Tag = *b"SCNE";
 
 /// What a checkpoint says of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,12 +87,31 @@ impl CheckpointSummary {
     }
 }
 
+/// All between the summary and the scene.
+fn read_state(sections: &mut Sections<'_>) -> Result<State, CheckpointError> {
+    Ok(State {
+        clock: sections.section(CLOCK)?,
+        totals: sections.section(TOTALS)?,
+        boundaries: sections.section(BOUNDARIES)?,
+        particles: sections.section(PARTICLES)?,
+        springs: sections.section(SPRINGS)?,
+        touching: sections.section(TOUCHING)?,
+        loads: sections.section(LOADS)?,
+        frozen: sections.optional(FROZEN)?,
+        course: sections.optional(COURSE)?,
+    })
+}
+
 impl Engine {
     /// All that decides the future, as bytes. The engine is left alone.
     ///
     /// # Errors
     /// [`CheckpointError::RunFailed`]: nothing could go on from there.
     pub fn checkpoint(&self) -> Result<Vec<u8>, CheckpointError> {
+        self.checkpoint_with(None)
+    }
+
+    fn checkpoint_with(&self, scene: Option<WrittenScene>) -> Result<Vec<u8>, CheckpointError> {
         if let Some(failure) = &self.failure {
             return Err(CheckpointError::RunFailed { reason: failure.to_string() });
         }
@@ -105,6 +133,15 @@ impl Engine {
         writer.section(SPRINGS, &state.springs);
         writer.section(TOUCHING, &state.touching);
         writer.section(LOADS, &state.loads);
+        if let Some(frozen) = &state.frozen {
+            writer.section(FROZEN, frozen);
+        }
+        if let Some(course) = &state.course {
+            writer.section(COURSE, course);
+        }
+        if let Some(scene) = &scene {
+            writer.section(SCENE, scene);
+        }
         Ok(writer.finish())
     }
 
@@ -117,17 +154,10 @@ impl Engine {
         if !differing.is_empty() {
             return Err(CheckpointError::OtherScene { differing });
         }
-        let state = State {
-            clock: sections.section(CLOCK)?,
-            totals: sections.section(TOTALS)?,
-            boundaries: sections.section(BOUNDARIES)?,
-            particles: sections.section(PARTICLES)?,
-            springs: sections.section(SPRINGS)?,
-            touching: sections.section(TOUCHING)?,
-            loads: sections.section(LOADS)?,
-        };
+        let state = read_state(&mut sections)?;
+        let _: Option<WrittenScene> = sections.optional(SCENE)?;
         sections.end()?;
-        state.check(&self.scene)?;
+        state.check(&self.written)?;
         let mut restored = self.blank_twin();
         let all_found = restored.in_pool(|engine| engine.put(state));
         let (found, wanted) = (restored.state_hash(), summary.state_hash);
@@ -139,20 +169,25 @@ impl Engine {
     }
 
     fn layout(&self) -> Layout {
-        *self.layout.get_or_init(|| layout::layout(self.scene.description(), self.scene.time_step_s()))
+        *self.layout.get_or_init(|| layout::layout(self.written.description(), self.written.time_step_s()))
     }
 
     /// Puts a checked state into an engine without particles; whether all that touches has found its place.
     fn put(&mut self, state: State) -> bool {
-        let State { clock, totals, boundaries, particles, springs, touching, loads } = state;
+        let State { clock, totals, boundaries, particles, springs, touching, loads, frozen, course } = state;
         self.clock = clock;
+        if let Some(course) = course {
+            (self.stages, self.inflows) = (course.stages, course.inflows);
+        }
+        self.take_laws_of_stage();
         self.gravity = totals.gravity;
         self.next_id = totals.next_id;
         self.topology_epoch = totals.topology_epoch;
         for (boundary, motion) in self.boundaries.iter_mut().zip(boundaries) {
             boundary.set_present_motion(motion);
         }
-        particles.iter().for_each(|row| row.push(&mut self.particles));
+        particles.iter().for_each(|row| row.push(&mut self.particles, frozen.as_ref()));
+        self.frozen_power = frozen.map_or(0.0, |frozen| frozen.power);
         self.predict_present_motion();
         self.loads = loads;
         self.kept_springs = springs;

@@ -6,12 +6,14 @@
 
 use super::codec::{Malformed, Pack, Reader, pack_fields};
 use super::error::CheckpointError;
+use super::layout::{course_layout, course_layout_of_none};
 use crate::boundary::{Boundary, BoundaryMotion};
 use crate::clock::Clock;
 use crate::contact::{SavedSlot, SavedSphere, SpringRecord, Sums, Wrench};
 use crate::energy::Ledger;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
+use crate::inflow::InflowRun;
 use crate::integrate::LocalDamping;
 use crate::loads::Loads;
 use crate::math::{Mat3, Quat, Vec3};
@@ -19,6 +21,7 @@ use crate::narrow::FeatureKey;
 use crate::particles::{NewParticle, Particles};
 use crate::report::WarningCounts;
 use crate::scene::{Scene, check_motion};
+use crate::stages::StageRun;
 
 /// All of it.
 pub(super) struct State {
@@ -32,6 +35,26 @@ pub(super) struct State {
     pub springs: Vec<SpringRecord>,
     pub touching: Touching,
     pub loads: Option<Loads>,
+    /// `None` where nobody is.
+    pub frozen: Option<Frozen>,
+    /// `None` where the scene has neither stages nor inflows.
+    pub course: Option<Course>,
+}
+
+/// What the scene has done of its own accord.
+pub(super) struct Course {
+    /// Of the sections of the scene.
+    layout: [u64; 2],
+    pub stages: Option<StageRun>,
+    pub inflows: Vec<InflowRun>,
+}
+
+/// Who keeps its velocity, and what they do to the others.
+pub(super) struct Frozen {
+    /// Ascending.
+    ids: Vec<u64>,
+    /// W
+    pub power: f64,
 }
 
 /// Single numbers.
@@ -51,20 +74,20 @@ pub(super) struct Totals {
 /// the step before, which are gone.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
-    id: u64,
-    shape: u32,
-    material: u32,
-    scale: f64,
-    mass: f64,
-    inertia: Vec3,
-    radius: f64,
-    position: Vec3,
-    orientation: Quat,
-    velocity: Vec3,
-    angular_momentum: Vec3,
-    force: Vec3,
-    torque: Vec3,
-    image: [i32; 3],
+    pub id: u64,
+    pub shape: u32,
+    pub material: u32,
+    pub scale: f64,
+    pub mass: f64,
+    pub inertia: Vec3,
+    pub radius: f64,
+    pub position: Vec3,
+    pub orientation: Quat,
+    pub velocity: Vec3,
+    pub angular_momentum: Vec3,
+    pub force: Vec3,
+    pub torque: Vec3,
+    pub image: [i32; 3],
 }
 
 /// What contacts do now: the next step of a servo reads it, and so do reports before that.
@@ -102,6 +125,8 @@ pack_fields!(Row {
     torque: Vec3,
     image: [i32; 3],
 });
+pack_fields!(Course { layout: [u64; 2], stages: Option<StageRun>, inflows: Vec<InflowRun> });
+pack_fields!(Frozen { ids: Vec<u64>, power: f64 });
 pack_fields!(Touching { slots: Vec<SavedSlot>, spheres: Vec<SavedSphere> });
 pack_fields!(SavedSlot { ids: [u64; 2], parts: [u16; 2], wrench: Wrench });
 pack_fields!(SavedSphere { ids: [u64; 2], force: Vec3, torque: Vec3 });
@@ -166,6 +191,8 @@ impl State {
                 spheres: engine.contacts.spheres.saved(particles),
             },
             loads: engine.loads.clone(),
+            frozen: Frozen::of(engine),
+            course: Course::of(engine),
         }
     }
 
@@ -174,6 +201,7 @@ impl State {
         self.clock.check(scene.time_step_s())?;
         self.check_boundaries(scene)?;
         self.loads.as_ref().map_or(Ok(()), Loads::check)?;
+        Course::check(self.course.as_ref(), scene, self.clock.step())?;
         let mut last = None;
         for (k, row) in self.particles.iter().enumerate() {
             let problem = |problem: &str| InvalidInput::new(format!("particles[{k}]"), problem);
@@ -182,10 +210,13 @@ impl State {
             }
             row.check(scene).map_err(problem)?;
         }
+        if let Some(frozen) = &self.frozen {
+            frozen.check(&self.particles)?;
+        }
         if self.totals.next_id > 1 << 63 {
             return Err(InvalidInput::new("next_id", "is above the largest id of a particle").into());
         }
-        let new: Vec<NewParticle> = self.particles.iter().map(Row::new_particle).collect();
+        let new: Vec<NewParticle> = self.particles.iter().map(|row| row.new_particle(false)).collect();
         scene.check_sizes(&new, "particles")?;
         let mut materials: Vec<usize> = new.iter().map(|particle| particle.material as usize).collect();
         materials.sort_unstable();
@@ -228,26 +259,33 @@ impl Row {
     }
 
     fn check(&self, scene: &Scene) -> Result<(), &'static str> {
-        let finite = |vectors: &[&Vec3]| vectors.iter().all(|v| v.iter().all(|x| x.is_finite()));
-        let positive = |numbers: &[f64]| numbers.iter().all(|&x| x.is_finite() && x > 0.0);
         if self.shape as usize >= scene.shapes().len() {
             Err("has a shape that the scene does not have")
         } else if self.material as usize >= scene.description().materials.len() {
             Err("has a material that the scene does not have")
-        } else if !positive(&[self.scale, self.mass, self.radius]) || !positive(self.inertia.as_slice()) {
+        } else if scene.cell().wrap(&mut self.position.clone()) != [0; 3] {
+            Err("is outside of the periodic cell")
+        } else {
+            self.check_numbers()
+        }
+    }
+
+    /// Whether its numbers are those of a particle.
+    pub fn check_numbers(&self) -> Result<(), &'static str> {
+        let finite = |vectors: &[&Vec3]| vectors.iter().all(|v| v.iter().all(|x| x.is_finite()));
+        let positive = |numbers: &[f64]| numbers.iter().all(|&x| x.is_finite() && x > 0.0);
+        if !positive(&[self.scale, self.mass, self.radius]) || !positive(self.inertia.as_slice()) {
             Err("has a scale, mass, radius or moment of inertia that is not finite and above 0")
         } else if !finite(&[&self.position, &self.velocity, &self.angular_momentum, &self.force, &self.torque]) {
             Err("has a number that is not finite")
         } else if (self.orientation.coords.norm() - 1.0).abs().partial_cmp(&1e-6) != Some(std::cmp::Ordering::Less) {
             Err("has an orientation that is no unit quaternion")
-        } else if scene.cell().wrap(&mut self.position.clone()) != [0; 3] {
-            Err("is outside of the periodic cell")
         } else {
             Ok(())
         }
     }
 
-    fn new_particle(&self) -> NewParticle {
+    fn new_particle(&self, frozen: bool) -> NewParticle {
         NewParticle {
             id: self.id,
             shape: self.shape,
@@ -260,17 +298,79 @@ impl Row {
             orientation: self.orientation,
             velocity: self.velocity,
             angular_velocity: Vec3::zeros(),
+            frozen,
         }
     }
 
     /// Appends it as an owned row.
-    pub fn push(&self, particles: &mut Particles) {
-        particles.push(&self.new_particle());
+    pub fn push(&self, particles: &mut Particles, frozen: Option<&Frozen>) {
+        let is_frozen = frozen.is_some_and(|frozen| frozen.has(self.id));
+        particles.push(&self.new_particle(is_frozen));
         let row = particles.n_owned() - 1;
         particles.angular_momentum[row] = self.angular_momentum;
         particles.force[row] = self.force;
         particles.torque[row] = self.torque;
         particles.image[row] = self.image;
+    }
+}
+
+impl Course {
+    fn of(engine: &Engine) -> Option<Self> {
+        let layout = course_layout(engine.scene().description());
+        (engine.stages.is_some() || !engine.inflows.is_empty()).then(|| Self {
+            layout,
+            stages: engine.stages,
+            inflows: engine.inflows.clone(),
+        })
+    }
+
+    /// Of a state at `step`, for an engine of the scene.
+    fn check(course: Option<&Self>, scene: &Scene, step: u64) -> Result<(), CheckpointError> {
+        let wanted = course_layout(scene.description());
+        let found = course.map_or(course_layout_of_none(), |course| course.layout);
+        let differing: Vec<&'static str> = ["stage", "inflow"]
+            .into_iter()
+            .zip(0..)
+            .filter(|&(_, k)| found[k] != wanted[k])
+            .map(|(name, _)| name)
+            .collect();
+        if !differing.is_empty() {
+            return Err(CheckpointError::OtherScene { differing });
+        }
+        let Some(Self { stages, inflows, .. }) = course else { return Ok(()) };
+        let (has_stages, wanted) = (!scene.stages().is_empty(), scene.description().inflows.len());
+        if stages.is_some() != has_stages || inflows.len() != wanted {
+            return Err(InvalidInput::new("stage", "and inflow are not those of the scene").into());
+        }
+        stages.map_or(Ok(()), |run| run.check(scene.stages().len(), step))?;
+        inflows.iter().try_for_each(InflowRun::check)?;
+        Ok(())
+    }
+}
+
+impl Frozen {
+    /// Whether a particle is.
+    pub fn has(&self, id: u64) -> bool {
+        self.ids.binary_search(&id).is_ok()
+    }
+
+    fn of(engine: &Engine) -> Option<Self> {
+        let particles = &engine.particles;
+        if particles.frozen.is_empty() {
+            return None;
+        }
+        let rows = particles.rows_by_id().into_iter().map(|row| row as usize);
+        let ids = rows.filter(|&row| particles.frozen[row]).map(|row| particles.ids[row]).collect();
+        Some(Self { ids, power: engine.frozen_power })
+    }
+
+    fn check(&self, particles: &[Row]) -> Result<(), InvalidInput> {
+        let problem = |problem: &str| Err(InvalidInput::new("frozen", problem));
+        if self.ids.is_empty() || !self.ids.is_sorted_by(|a, b| a < b) || !self.power.is_finite() {
+            return problem("is no list of ascending ids with a power");
+        }
+        let all_there = self.ids.iter().all(|id| particles.binary_search_by_key(id, |row| row.id).is_ok());
+        if all_there { Ok(()) } else { problem("names a particle that does not exist") }
     }
 }
 

@@ -22,11 +22,18 @@ pub(super) fn inverse_mass(pair: &Pair<'_>, group: &[Contact], particles: &Parti
         }
         weights += contact.weight;
     }
-    let turning = |row: usize, torque: &Vec3| {
-        let in_body = particles.rotation[row].tr_mul(torque);
-        in_body.dot(&in_body.component_div(&particles.inertia[particles.owner(row)]))
-    };
-    let of_b = pair.b.map_or(0.0, |(b, _)| turning(b, &torque_b) + force.norm_squared() / particles.mass[b]);
-    let of_a = force.norm_squared() / particles.mass[pair.a] + turning(pair.a, &torque_a);
-    ((of_a + of_b) / (weights * weights), weights)
+    let of = |row: usize, torque: &Vec3| inverse_mass_of(particles, row, &force, torque);
+    let of_b = pair.b.map_or(0.0, |(b, _)| of(b, &torque_b));
+    ((of(pair.a, &torque_a) + of_b) / (weights * weights), weights)
+}
+
+/// F.F/m + T . I^-1 T of one row: how fast it gives way to a unit of a scalar force, 1/kg; 0 where it is frozen.
+#[inline(always)]
+fn inverse_mass_of(particles: &Particles, row: usize, force: &Vec3, torque: &Vec3) -> f64 {
+    if particles.is_frozen(row) {
+        return 0.0;
+    }
+    let in_body = particles.rotation[row].tr_mul(torque);
+    let turning = in_body.dot(&in_body.component_div(&particles.inertia[particles.owner(row)]));
+    force.norm_squared() / particles.mass[row] + turning
 }

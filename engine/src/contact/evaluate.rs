@@ -101,8 +101,7 @@ impl<'a> Pair<'a> {
             return Self { a, b: None, boundary: Some(boundary), law, damping, smaller_radius: particles.radius[a] };
         }
         let law = inputs.pairs.law(particles.material[a], particles.material[b]);
-        let (mass_a, mass_b) = (particles.mass[a], particles.mass[b]);
-        let damping = law.damping(mass_a * mass_b / (mass_a + mass_b));
+        let damping = law.damping(particles.reduced_mass(a, b));
         let smaller_radius = particles.radius[a].min(particles.radius[b]);
         Self { a, b: Some((b, particles.separation(a, b))), boundary: None, law, damping, smaller_radius }
     }

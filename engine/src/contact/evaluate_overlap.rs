@@ -102,13 +102,12 @@ impl<'a> Pair<'a> {
         let of_b = &particles.motion[b];
         let d = particles.separation(a, b);
         let motion = |[va, wa, vb, wb]: [&Vec3; 4]| RelativeMotion { linear: vb - wb.cross(&d) - va, angular: wb - wa };
-        let (mass_a, mass_b) = (particles.mass[a], particles.mass[b]);
         Self {
             a,
             b: Some((b, d)),
             boundary: None,
             law: inputs.pairs.law(particles.material[a], particles.material[b]),
-            reduced_mass: mass_a * mass_b / (mass_a + mass_b),
+            reduced_mass: particles.reduced_mass(a, b),
             smaller_radius: particles.radius[a].min(particles.radius[b]),
             now: motion([&of_a.velocity, &of_a.angular_velocity, &of_b.velocity, &of_b.angular_velocity]),
             mean: motion([
@@ -124,6 +123,9 @@ impl<'a> Pair<'a> {
     fn inverse_mass(&self, contact: &OverlapContact, inputs: &ForceInputs<'_>) -> f64 {
         let particles = inputs.particles;
         let turning = |row: usize, torque: &Vec3| {
+            if particles.is_frozen(row) {
+                return 0.0;
+            }
             let in_body = particles.rotation[row].tr_mul(torque);
             in_body.dot(&in_body.component_div(&particles.inertia[particles.owner(row)]))
         };

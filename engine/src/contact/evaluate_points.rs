@@ -135,7 +135,8 @@ impl<'a> OfSlot<'a> {
         } else {
             0.0
         };
-        let central = 1.0 / particles.mass[pair.a] + pair.b.map_or(0.0, |(b, _)| 1.0 / particles.mass[b]);
+        let inverse_of = |row: usize| if particles.is_frozen(row) { 0.0 } else { 1.0 / particles.mass[row] };
+        let central = inverse_of(pair.a) + pair.b.map_or(0.0, |(b, _)| inverse_of(b));
         let (inverse, weights) = if laws.damping_mass == DampingMass::Contact {
             inverse_mass(&pair, group, particles)
         } else {
@@ -262,6 +263,9 @@ impl OfSlot<'_> {
         let (about, flat) = (rate.dot(&normal), turn.dot(&normal));
         // 1/I_r of both bodies: about the contact for rolling, about the centre for twisting.
         let inverse = |row: usize| {
+            if particles.is_frozen(row) {
+                return [0.0; 2];
+            }
             let own = particles.inertia[particles.owner(row)].mean();
             let shifted = own + particles.mass[row] * particles.radius[row].powi(2);
             [1.0 / shifted, 1.0 / own]

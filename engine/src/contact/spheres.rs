@@ -183,12 +183,11 @@ impl SpherePairs {
         for (owner_a, a, b) in pairs() {
             let owner_b = particles.owner(b as usize);
             let (material_a, material_b) = (particles.material[owner_a], particles.material[owner_b]);
-            let (mass_a, mass_b) = (particles.mass[owner_a], particles.mass[owner_b]);
             let at = &mut self.next[owner_a];
             self.pairs[*at as usize] = SpherePair {
                 a,
                 b,
-                damping: laws.law(material_a, material_b).damping(mass_a * mass_b / (mass_a + mass_b)),
+                damping: laws.law(material_a, material_b).damping(particles.reduced_mass(owner_a, owner_b)),
             };
             *at += 1;
         }

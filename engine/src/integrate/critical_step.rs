@@ -43,6 +43,16 @@ pub struct ContactBounds {
     pub duration_s: f64,
 }
 
+impl ContactBounds {
+    /// The stricter of each.
+    pub fn min(self, other: Self) -> Self {
+        Self {
+            critical_time_step_s: self.critical_time_step_s.min(other.critical_time_step_s),
+            duration_s: self.duration_s.min(other.duration_s),
+        }
+    }
+}
+
 /// Largest omega dt for which the damped oscillator stays bounded under velocity Verlet with the dashpot velocity
 /// predicted at the full step, v_n+1 = v_n + a_n dt.
 ///

@@ -78,10 +78,25 @@ fn turn(scheme: RotationScheme, orientation: &Quat, momentum_in_body: &Vec3, ine
     }
 }
 
-/// v and J to the middle of the step, x and the orientation to its end; predicts the velocities there.
+/// v and J to the middle of the step, x and the orientation to its end; predicts the velocities there. Frozen rows go on
+/// with their velocity.
 ///
 /// By shape: whether orientations are integrated, and the half-thickness at unit scale, m.
 pub fn drift(
+    particles: &mut Particles,
+    gravity: &Vec3,
+    dt: f64,
+    shapes: (RotationScheme, &[bool], &[f64]),
+) -> DriftReport {
+    if particles.frozen.is_empty() {
+        drift_rows::<false>(particles, gravity, dt, shapes)
+    } else {
+        drift_rows::<true>(particles, gravity, dt, shapes)
+    }
+}
+
+/// Compiled without a word of frozen rows where there are none.
+fn drift_rows<const FROZEN: bool>(
     particles: &mut Particles,
     gravity: &Vec3,
     dt: f64,
@@ -103,6 +118,7 @@ pub fn drift(
         rotation,
         motion,
         odometer,
+        frozen,
         ..
     } = particles;
     let rows = (
@@ -119,6 +135,13 @@ pub fn drift(
         .enumerate()
         .with_min_len(least(n, CHUNK, 15))
         .map(|(row, (x, v, q, momentum, rotation, motion, odometer))| {
+            let shape = shape[row] as usize;
+            let size = (radius[row], half_thickness[shape] * scale[row]);
+            if FROZEN && frozen[row] {
+                *x += *v * dt;
+                *motion = ContactMotion { velocity: *v, mean_velocity: *v, ..ContactMotion::default() };
+                return report(row, true, motion, odometer, (dt, 0.0, size));
+            }
             // One division where `/` on vectors makes three.
             let acceleration = force[row] * (1.0 / mass[row]) + gravity;
             *v += acceleration * half;
@@ -128,26 +151,34 @@ pub fn drift(
             *momentum += torque[row] * half;
             let predicted = *momentum + torque[row] * half;
             let inertia = &inertia[row];
-            let mut converged = true;
-            let shape = shape[row] as usize;
-            if rotates[shape] {
-                let turn = turn(scheme, q, &rotation.tr_mul(momentum), inertia, dt);
-                converged = turn.converged;
-                *q = turn.orientation;
-                *rotation = q.to_rotation_matrix().into_inner();
-                motion.mean_angular_velocity = turn.mean_angular_velocity;
-                motion.angular_velocity = *rotation * rotation.tr_mul(&predicted).component_div(inertia);
-            } else {
-                let mobility = 1.0 / inertia.x;
-                motion.mean_angular_velocity = *momentum * mobility;
-                motion.angular_velocity = predicted * mobility;
+            if !rotates[shape] {
+                motion.spin([momentum, &predicted], 1.0 / inertia.x);
+                return report(row, true, motion, odometer, (dt, 0.0, size));
             }
-            let path = path_m(motion, dt, if rotates[shape] { radius[row] } else { 0.0 });
-            *odometer += path;
-            let displacement = motion.mean_velocity * (dt / radius[row]);
-            DriftReport::of_row(row, converged, &displacement, (path, half_thickness[shape] * scale[row]))
+            let turn = turn(scheme, q, &rotation.tr_mul(momentum), inertia, dt);
+            *q = turn.orientation;
+            *rotation = q.to_rotation_matrix().into_inner();
+            motion.mean_angular_velocity = turn.mean_angular_velocity;
+            motion.angular_velocity = *rotation * rotation.tr_mul(&predicted).component_div(inertia);
+            report(row, turn.converged, motion, odometer, (dt, radius[row], size))
         })
         .reduce(DriftReport::default, DriftReport::merged)
+}
+
+/// Adds a row's path to its odometer; `lever` is how far from the centre rotation moves points, `size` (bounding radius,
+/// half-thickness), m.
+#[inline(always)]
+fn report(
+    row: usize,
+    converged: bool,
+    motion: &ContactMotion,
+    odometer: &mut f64,
+    (dt, lever, size): (f64, f64, (f64, f64)),
+) -> DriftReport {
+    let path = path_m(motion, dt, lever);
+    *odometer += path;
+    let displacement = motion.mean_velocity * (dt / size.0);
+    DriftReport::of_row(row, converged, &displacement, (path, size.1))
 }
 
 /// Bound on how far a step moves the points within `lever` of the centre, m.
@@ -160,16 +191,18 @@ fn path_m(motion: &ContactMotion, dt: f64, lever: f64) -> f64 {
 /// v and J from the middle of the step to its end, with the forces there. Returns the first row that is not finite.
 pub fn kick(particles: &mut Particles, gravity: &Vec3, dt: f64) -> Option<usize> {
     let n = particles.n_owned();
-    let Particles { position, velocity, angular_momentum, force, torque, mass, motion: _, .. } = particles;
-    let (position, force, torque, mass) = (&*position, &*force, &*torque, &*mass);
+    let Particles { position, velocity, angular_momentum, force, torque, mass, frozen, .. } = particles;
+    let (position, force, torque, mass, frozen) = (&*position, &*force, &*torque, &*mass, &*frozen);
     let half = 0.5 * dt;
     (velocity[..n].par_iter_mut(), angular_momentum[..n].par_iter_mut())
         .into_par_iter()
         .enumerate()
         .with_min_len(least(n, CHUNK, 8))
         .filter_map(|(row, (v, momentum))| {
-            *v += (force[row] * (1.0 / mass[row]) + gravity) * half;
-            *momentum += torque[row] * half;
+            if frozen.is_empty() || !frozen[row] {
+                *v += (force[row] * (1.0 / mass[row]) + gravity) * half;
+                *momentum += torque[row] * half;
+            }
             // One sum is finite only if every term is (or overflows, which is as bad).
             let sum = v.sum() + momentum.sum() + position[row].sum();
             if sum.is_finite() { None } else { Some(row) }
@@ -178,6 +211,13 @@ pub fn kick(particles: &mut Particles, gravity: &Vec3, dt: f64) -> Option<usize>
 }
 
 impl ContactMotion {
+    /// Of a sphere, from its angular momenta in the middle and predicted at the end of a step.
+    #[inline(always)]
+    fn spin(&mut self, [momentum, predicted]: [&Vec3; 2], mobility: f64) {
+        self.mean_angular_velocity = *momentum * mobility;
+        self.angular_velocity = *predicted * mobility;
+    }
+
     /// Motion of a point at `arm` from the centre: (velocity at the full step, mean velocity over the step).
     #[inline(always)]
     pub fn at(&self, arm: &Vec3) -> (Vec3, Vec3) {

@@ -24,6 +24,9 @@ impl Frequencies<'_> {
     /// centre of the row.
     fn add(&mut self, row: usize, k: f64, force: &Vec3, moment: &Vec3) {
         let particles = self.particles;
+        if particles.is_frozen(row) {
+            return;
+        }
         let owner = particles.owner(row);
         let linear = force / particles.mass[owner].sqrt();
         let turning = particles.rotation[owner].tr_mul(moment).component_div(&particles.inertia[owner].map(f64::sqrt));
@@ -32,9 +35,10 @@ impl Frequencies<'_> {
     }
 
     /// The same for both sides of a contact at `arm` from the centre of `a`; `b` is a row and its centre seen from `a`.
-    /// A wall has no frequency of its own: its contacts count half, because the bound below doubles them.
+    /// A wall or a frozen particle has no frequency of its own: its contacts count half, because the bound below doubles them.
     fn add_spring(&mut self, a: usize, b: Option<(usize, Vec3)>, k: f64, direction: &Vec3, arm: &Vec3) {
-        let k = if b.is_none() { 0.5 * k } else { k };
+        let stands = |row: usize| self.particles.is_frozen(row);
+        let k = if stands(a) || b.is_none_or(|(row, _)| stands(row)) { 0.5 * k } else { k };
         self.add(a, k, direction, &arm.cross(direction));
         if let Some((row, centre)) = b {
             self.add(row, k, direction, &(arm - centre).cross(direction));
@@ -115,7 +119,7 @@ impl<'a> Side<'a> {
             return Some(Self { a, b: None, law, reduced_mass: mass(a) });
         }
         let law = scene.pairs().get(material(a), material(b))?;
-        let reduced_mass = mass(a) * mass(b) / (mass(a) + mass(b));
+        let reduced_mass = particles.reduced_mass(a, b);
         Some(Self { a, b: Some((b, particles.separation(a, b))), law, reduced_mass })
     }
 
@@ -130,12 +134,11 @@ fn add_spheres(frequencies: &mut Frequencies<'_>, table: &ContactTable, scene: &
     for pair in table.spheres.touching_pairs() {
         let (a, b) = (pair.a as usize, pair.b as usize);
         let material = |row: usize| particles.material[particles.owner(row)] as usize;
-        let mass = |row: usize| particles.mass[particles.owner(row)];
         let Some(law) = scene.pairs().get(material(a), material(b)) else { continue };
         // images of the sphere batch are kept up to date by place only
         let (at_a, at_b) = (&particles.places[a], &particles.places[b]);
         let d = (at_b.position - at_a.position) + (at_b.offset - at_a.offset);
-        let side = Side { a, b: Some((b, d)), law, reduced_mass: mass(a) * mass(b) / (mass(a) + mass(b)) };
+        let side = Side { a, b: Some((b, d)), law, reduced_mass: particles.reduced_mass(a, b) };
         frequencies.meet(law, side.reduced_mass);
         let normal = d.try_normalize(0.0).unwrap_or_else(Vec3::x);
         frequencies.add_point(a, side.b, side.stiffnesses(scene), &normal, &(normal * particles.radius[a]));

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    CohesionDescription, DampingMass, FeaturePairsSection, GeneralizedOverlapSection, HertzSection, NormalLaw,
-    OutputSection, SharingScope,
+    CohesionDescription, DampingMass, FeaturePairsSection, GeneralizedOverlapSection, HertzSection, InflowDescription,
+    NormalLaw, OutputSection, ScaleLaw, ScaleSection, SharingScope, StageDescription, StartSection,
 };
 use crate::fields::FieldDefinition;
 use crate::shape::ShapeDescription;
@@ -40,6 +40,15 @@ pub struct SceneDescription {
     /// Particles that are there from the start.
     #[serde(default, rename = "insertion")]
     pub insertions: Vec<InsertionDescription>,
+    /// The bed of another scene, which this one goes on with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<StartSection>,
+    /// Particles that come in over time.
+    #[serde(default, rename = "inflow", skip_serializing_if = "Vec::is_empty")]
+    pub inflows: Vec<InflowDescription>,
+    /// Laws that change on the way.
+    #[serde(default, rename = "stage", skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageDescription>,
     /// Takes the overlaps of the start apart; left as they are when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relax: Option<RelaxSection>,
@@ -110,6 +119,10 @@ pub struct DomainSection {
 
 fn one() -> f64 {
     1.0
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 fn is_origin(origin_m: &[f64; 3]) -> bool {
@@ -565,26 +578,22 @@ pub enum Placement {
         #[serde(default = "default_attempts")]
         attempts: u32,
     },
+    /// Circumscribed spheres that drop one after the other into a box and roll to local minima of height; orientations are
+    /// random. The box has a floor, and walls along x and y unless it spans a periodic cell; what is there already is as good
+    /// a ground as the floor.
+    Deposition {
+        /// A box. An error where the heap grows above it.
+        region: Region,
+        /// How many.
+        count: u32,
+        /// Unrotated instead of random orientations.
+        #[serde(default)]
+        fixed_orientation: bool,
+    },
 }
 
 fn default_attempts() -> u32 {
     2000
-}
-
-/// Homothety of the inserted particles, uniform in [min, max].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ScaleRange {
-    /// Smallest factor.
-    pub min: f64,
-    /// Largest factor.
-    pub max: f64,
-}
-
-impl Default for ScaleRange {
-    fn default() -> Self {
-        Self { min: 1.0, max: 1.0 }
-    }
 }
 
 /// `[[insertion]]`, and the body of the command `insert`.
@@ -603,9 +612,14 @@ pub struct InsertionDescription {
     /// Initial angular velocity of every particle, in world axes.
     #[serde(default)]
     pub angular_velocity_rad_per_s: [f64; 3],
-    /// Sizes relative to the shape.
+    /// Sizes relative to the shape; 1 when absent.
     #[serde(default)]
-    pub scale: ScaleRange,
+    #[schemars(with = "ScaleSection")]
+    pub scale: ScaleLaw,
+    /// Moves with `velocity_m_per_s` for ever, whatever pushes: a rough base. Its contacts with others are those of any
+    /// particle; with its like and with boundaries it has none.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub frozen: bool,
 }
 
 /// `[relax]`: before step 0 the particles of the scene move apart without inertia, until no overlap is above a limit.

@@ -1,6 +1,8 @@
 //! Files that a scene names: shapes out of meshes, read by a function that is handed in.
 
-use super::{BoundaryGeometry, SceneDescription};
+use std::sync::Arc;
+
+use super::{BoundaryGeometry, FileBytes, SceneDescription};
 use crate::error::{InvalidInput, InvalidScene};
 use crate::mesh_file::{MeshFormat, TriangleMesh, convex_parts, read_mesh};
 use crate::shape::{ShapeDescription, rockable_shapes};
@@ -22,6 +24,15 @@ impl SceneDescription {
                 Err(problem) => {
                     errors
                         .push(InvalidInput::new(format!("boundary[{k}].geometry.path"), format!("'{path}' {problem}")));
+                }
+            }
+        }
+        if let Some(start) = &mut self.start {
+            match read(&start.checkpoint) {
+                Ok(bytes) => start.bytes = FileBytes(Arc::new(bytes)),
+                Err(error) => {
+                    let problem = format!("'{}' cannot be read: {error}", start.checkpoint);
+                    errors.push(InvalidInput::new("start.checkpoint", problem));
                 }
             }
         }

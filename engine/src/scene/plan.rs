@@ -2,6 +2,7 @@
 
 use super::{
     MaterialPairDescription, NormalLaw, PointLaws, RotationScheme, SceneDescription, Sharing, Tangential, point_laws,
+    stages,
 };
 use crate::broad::ShapeReach;
 use crate::contact::law::PairTable;
@@ -36,6 +37,11 @@ pub struct Plan {
 const DEFAULT_SKIN_FRACTION: f64 = 0.08;
 
 impl Plan {
+    /// Whether anything of a contact outlives a step.
+    pub(crate) fn keeps_springs(&self) -> bool {
+        self.history || self.rolling || self.bonds
+    }
+
     /// `point_laws`: `None` where contacts follow the plain law, which the sphere batch has.
     pub(super) fn new(
         description: &SceneDescription,
@@ -86,6 +92,8 @@ impl Plan {
             0 => "boundaries: none".into(),
             n => format!("boundaries: {n}"),
         });
+        lines.extend(stages::plan_lines(description));
+        lines.extend(description.inflows.iter().enumerate().map(|(k, inflow)| inflow.line(k)));
         lines.push("fields: computed only while somebody subscribes or asks".into());
         Self {
             lines,

@@ -1,11 +1,15 @@
 //! The only way to a [`Scene`]: afterwards the engine cannot fail to start.
 
+use std::sync::Arc;
+
 use super::boundaries::{build_boundaries, expand_boxes};
 use super::{
     MaterialPairDescription, NormalLaw, Plan, PointLaws, RoundedShapes, SceneDescription, TimeStepChoice, point_laws,
+    stages,
 };
 use crate::boundary::Boundary;
 use crate::cell::Cell;
+use crate::checkpoint::Bed;
 use crate::contact::law::{PairLaw, PairTable, damping_ratio, least_restitution};
 use crate::error::{InvalidInput, InvalidScene};
 use crate::insertion::{self, Surroundings};
@@ -28,6 +32,9 @@ pub struct Scene {
     point_laws: Option<PointLaws>,
     time_step_s: f64,
     particles: Vec<NewParticle>,
+    pub(super) stages: Vec<Arc<Scene>>,
+    /// What it starts with, out of a checkpoint.
+    pub(super) bed: Option<Arc<Bed>>,
 }
 
 /// Collects everything that is wrong.
@@ -77,7 +84,26 @@ impl SceneDescription {
 
 impl Scene {
     /// Proves the description usable, or lists everything that is wrong with it.
-    pub fn validate(mut description: SceneDescription) -> Result<Self, InvalidScene> {
+    pub fn validate(description: SceneDescription) -> Result<Self, InvalidScene> {
+        let staged = description.stages.iter().map(|stage| stage.applied_to(&description)).collect();
+        let mut scene = Self::without_particles(description)?;
+        let mut problems = Problems::default();
+        scene.build_stages(staged, &mut problems);
+        scene.read_start(&mut problems);
+        let inflows = scene.check_inflows(&mut problems);
+        if !problems.0.is_empty() {
+            return Err(InvalidScene(problems.0));
+        }
+        scene.place_particles(&inflows, &mut problems);
+        let time_step_s = scene.choose_time_step(&inflows, &mut problems);
+        scene.time_step_s = time_step_s;
+        scene.stages.iter_mut().for_each(|stage| Arc::make_mut(stage).time_step_s = time_step_s);
+        problems.0.extend(scene.resolution().and_then(|resolution| resolution.refusal()));
+        if problems.0.is_empty() { Ok(scene) } else { Err(InvalidScene(problems.0)) }
+    }
+
+    /// All but its particles, time step and stages.
+    pub(super) fn without_particles(mut description: SceneDescription) -> Result<Self, InvalidScene> {
         let mut problems = Problems::default();
         check_numbers(&description, &mut problems);
         check_names(&description, &mut problems);
@@ -108,7 +134,7 @@ impl Scene {
         let boundaries = build_boundaries(&description, &origins, (&cell, skeletons), &mut problems);
         let point_laws = PointLaws::build(&description, &shapes);
         let plan = Plan::new(&description, &shapes, &pairs, point_laws.as_ref());
-        let mut scene = Self {
+        let scene = Self {
             description,
             shapes,
             pairs,
@@ -119,16 +145,14 @@ impl Scene {
             rounded,
             time_step_s: 0.0,
             particles: Vec::new(),
+            stages: Vec::new(),
+            bed: None,
         };
-        if problems.0.is_empty() {
-            scene.place_particles(&mut problems);
-            scene.time_step_s = scene.choose_time_step(&mut problems);
-            problems.0.extend(scene.resolution().and_then(|resolution| resolution.refusal()));
-        }
         if problems.0.is_empty() { Ok(scene) } else { Err(InvalidScene(problems.0)) }
     }
 
-    fn place_particles(&mut self, problems: &mut Problems) {
+    fn place_particles(&mut self, inflows: &[NewParticle], problems: &mut Problems) {
+        self.particles.extend(self.bed.iter().flat_map(|bed| bed.particles()));
         for k in 0..self.description.insertions.len() {
             let surroundings = Surroundings {
                 scene: self,
@@ -142,7 +166,7 @@ impl Scene {
                 self.particles.extend(new);
             }
         }
-        let mut materials: Vec<usize> = self.particles.iter().map(|p| p.material as usize).collect();
+        let mut materials: Vec<usize> = self.particles.iter().chain(inflows).map(|p| p.material as usize).collect();
         materials.sort_unstable();
         materials.dedup();
         problems.keep(self.check_pairs_among(&materials, "material_pair"));
@@ -163,8 +187,9 @@ impl Scene {
         Err(InvalidInput::new(path, problem))
     }
 
-    fn choose_time_step(&self, problems: &mut Problems) -> f64 {
-        let bounds = self.contact_bounds(&self.particles);
+    fn choose_time_step(&self, inflows: &[NewParticle], problems: &mut Problems) -> f64 {
+        let all = [&self.particles, inflows].concat();
+        let bounds = self.with_stages().filter_map(|(_, scene)| scene.contact_bounds(&all)).reduce(ContactBounds::min);
         let section = &self.description.scene;
         let time_step = match (section.time_step_s, section.time_step_fraction, section.time_step, bounds) {
             (Some(dt), None, None, _) => dt,
@@ -184,23 +209,25 @@ impl Scene {
                 return 0.0;
             }
         };
-        problems.keep(self.check_time_step(time_step, &self.particles, "scene.time_step_s"));
+        problems.keep(self.check_time_step(time_step, &all, "scene.time_step_s"));
         time_step
     }
 
-    /// Refuses a step above the critical one of the particles present.
+    /// Refuses a step above the critical one of these particles, in the scene or in one of its stages.
     pub(crate) fn check_time_step(&self, dt: f64, particles: &[NewParticle], path: &str) -> Result<(), InvalidInput> {
-        match self.contact_bounds(particles) {
-            Some(bounds) if dt > bounds.critical_time_step_s => Err(InvalidInput::new(
-                path,
-                format!(
-                    "the time step {dt:e} s is above the critical one of a single contact, {:e} s (stiffness, damping, mass and inertia of the lightest pair): reduce time_step_s, {:e} s is a fiftieth of the collision",
-                    bounds.critical_time_step_s,
-                    bounds.duration_s / 50.0
-                ),
-            )),
-            _ => Ok(()),
+        for (stage, scene) in self.with_stages() {
+            let Some(bounds) = scene.contact_bounds(particles).filter(|bounds| dt > bounds.critical_time_step_s) else {
+                continue;
+            };
+            let of = stage.map_or_else(String::new, |title| format!(" in {title}"));
+            let problem = format!(
+                "the time step {dt:e} s is above the critical one of a single contact{of}, {:e} s (stiffness, damping, mass and inertia of the lightest pair): reduce time_step_s, {:e} s is a fiftieth of the collision",
+                bounds.critical_time_step_s,
+                bounds.duration_s / 50.0
+            );
+            return Err(InvalidInput::new(path, problem));
         }
+        Ok(())
     }
 
     /// Smallest bounds over all pairs that may meet; over all shapes and materials while there are no particles.
@@ -224,10 +251,7 @@ impl Scene {
                 let critical = rounded_critical_step(law, &rounded.law, a, b);
                 bounds.critical_time_step_s = bounds.critical_time_step_s.min(critical);
             }
-            smallest = Some(smallest.map_or(bounds, |s| ContactBounds {
-                critical_time_step_s: s.critical_time_step_s.min(bounds.critical_time_step_s),
-                duration_s: s.duration_s.min(bounds.duration_s),
-            }));
+            smallest = Some(smallest.map_or(bounds, |s| s.min(bounds)));
         };
         for (k, (material_a, a)) in classes.iter().enumerate() {
             for (material_b, b) in &classes[k..] {
@@ -240,9 +264,9 @@ impl Scene {
         smallest
     }
 
-    /// By particle: t^2 of the way F t^2/m that takes a contact with its like apart without overshooting, where as many
+    /// By particle of `particles`: t^2 of the way F t^2/m that takes a contact with its like apart without overshooting, where as many
     /// contacts act on a body as the law may have, s2.
-    pub(crate) fn relaxation_times_squared(&self) -> Vec<f64> {
+    pub(crate) fn relaxation_times_squared(&self, particles: &[NewParticle]) -> Vec<f64> {
         // a step of t_critical/sqrt(2) along the force closes a single contact at once
         let share = 0.5 / contacts_per_body(self.description.normal_law());
         let mut last: Option<(f64, (u32, u32, f64))> = None;
@@ -258,7 +282,7 @@ impl Scene {
                 }
             }
         };
-        self.particles.iter().map(of_particle).collect()
+        particles.iter().map(of_particle).collect()
     }
 
     fn body(&self, shape: usize, mass: f64, scale: f64) -> Body {
@@ -376,6 +400,15 @@ impl Scene {
         self.point_laws.as_ref()
     }
 
+    /// What it starts with, out of a checkpoint.
+    pub(crate) fn bed(&self) -> Option<&Bed> {
+        self.bed.as_deref()
+    }
+
+    pub(super) fn add_plan_line(&mut self, line: String) {
+        self.plan.lines.push(line);
+    }
+
     /// Time step, s.
     pub fn time_step_s(&self) -> f64 {
         self.time_step_s
@@ -414,6 +447,10 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
         problems.in_range("contact.skin_fraction", skin, "in (0, 2]", skin > 0.0 && skin <= 2.0);
     }
     check_relax(description, problems);
+    stages::check(description, problems);
+    for (k, inflow) in description.inflows.iter().enumerate() {
+        inflow.check(&format!("inflow[{k}]"), problems);
+    }
     for (k, material) in description.materials.iter().enumerate() {
         if let Some(density) = material.density_kg_per_m3 {
             let path = format!("material[{k}].density_kg_per_m3");

@@ -2,7 +2,7 @@
 
 use sturz_engine::InvalidInput;
 use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
-use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleRange};
+use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleLaw};
 
 use super::{finite, need, needed_vector, optional_vector, vec3};
 use crate::columns::{self, Number};
@@ -18,10 +18,7 @@ pub fn insertion_from_wire(request: &v1::InsertRequest) -> Result<InsertionDescr
         Wire::Poses(poses) => poses_from_wire(poses)?,
         Wire::Lattice(lattice) => lattice_from_wire(lattice)?,
         Wire::Random(random) => random_from_wire(random)?,
-    };
-    let scale = match &request.scale {
-        Some(range) => ScaleRange { min: finite(range.min, "scale.min")?, max: finite(range.max, "scale.max")? },
-        None => ScaleRange::default(),
+        Wire::Deposition(deposition) => deposition_from_wire(deposition)?,
     };
     Ok(InsertionDescription {
         shape: request.shape.clone(),
@@ -29,8 +26,59 @@ pub fn insertion_from_wire(request: &v1::InsertRequest) -> Result<InsertionDescr
         placement,
         velocity_m_per_s: optional_vector(&request.velocity_m_per_s, "velocity_m_per_s")?,
         angular_velocity_rad_per_s: optional_vector(&request.angular_velocity_rad_per_s, "angular_velocity_rad_per_s")?,
-        scale,
+        scale: scale_from_wire(request)?,
+        frozen: request.frozen,
     })
+}
+
+fn scale_from_wire(request: &v1::InsertRequest) -> Result<ScaleLaw, InvalidInput> {
+    use v1::insert_request::ScaleLaw as Wire;
+    match (&request.scale, &request.scale_law) {
+        (None, None) => Ok(ScaleLaw::default()),
+        (Some(range), None) => {
+            Ok(ScaleLaw::Uniform { min: finite(range.min, "scale.min")?, max: finite(range.max, "scale.max")? })
+        }
+        (Some(_), Some(_)) => Err(InvalidInput::new("scale", "is there besides a law of sizes; give one of them")),
+        (None, Some(Wire::NormalScale(law))) => Ok(ScaleLaw::Normal {
+            mean: finite(law.mean, "normal_scale.mean")?,
+            standard_deviation: finite(law.standard_deviation, "normal_scale.standard_deviation")?,
+            min: finite(law.min, "normal_scale.min")?,
+            max: finite(law.max, "normal_scale.max")?,
+        }),
+        (None, Some(Wire::LognormalScale(law))) => Ok(ScaleLaw::Lognormal {
+            median: finite(law.median, "lognormal_scale.median")?,
+            log_standard_deviation: finite(law.log_standard_deviation, "lognormal_scale.log_standard_deviation")?,
+            min: finite(law.min, "lognormal_scale.min")?,
+            max: finite(law.max, "lognormal_scale.max")?,
+        }),
+        (None, Some(Wire::ScaleTable(table))) => {
+            let (scales, weights) = (&table.scales, &table.weights);
+            if scales.len() != weights.len() {
+                let problem = format!("has {} weights for {} scales", weights.len(), scales.len());
+                return Err(InvalidInput::new("scale_table.weights", problem));
+            }
+            Ok(ScaleLaw::Table { rows: scales.iter().zip(weights).map(|(&scale, &weight)| [scale, weight]).collect() })
+        }
+    }
+}
+
+type WireScale = (Option<v1::ScaleRange>, Option<v1::insert_request::ScaleLaw>);
+
+fn scale_to_wire(law: &ScaleLaw) -> WireScale {
+    use v1::insert_request::ScaleLaw as Wire;
+    match *law {
+        ScaleLaw::Uniform { min, max } => (Some(v1::ScaleRange { min, max }), None),
+        ScaleLaw::Normal { mean, standard_deviation, min, max } => {
+            (None, Some(Wire::NormalScale(v1::NormalScale { mean, standard_deviation, min, max })))
+        }
+        ScaleLaw::Lognormal { median, log_standard_deviation, min, max } => {
+            (None, Some(Wire::LognormalScale(v1::LognormalScale { median, log_standard_deviation, min, max })))
+        }
+        ScaleLaw::Table { ref rows } => {
+            let (scales, weights) = rows.iter().map(|&[scale, weight]| (scale, weight)).unzip();
+            (None, Some(Wire::ScaleTable(v1::ScaleTable { scales, weights })))
+        }
+    }
 }
 
 fn poses_from_wire(poses: &v1::PosesPlacement) -> Result<Placement, InvalidInput> {
@@ -99,7 +147,19 @@ fn random_from_wire(random: &v1::RandomPlacement) -> Result<Placement, InvalidIn
     })
 }
 
-/// The same insertion as a request without a header.
+fn deposition_from_wire(deposition: &v1::DepositionPlacement) -> Result<Placement, InvalidInput> {
+    let region = need(&deposition.r#box, "placement.deposition.box")?;
+    Ok(Placement::Deposition {
+        region: Region::Box {
+            min_m: needed_vector(&region.min_m, "placement.deposition.box.min_m")?,
+            max_m: needed_vector(&region.max_m, "placement.deposition.box.max_m")?,
+        },
+        count: deposition.count,
+        fixed_orientation: deposition.fixed_orientation,
+    })
+}
+
+/// The same insertion as a request without a header; a deposition into anything but a box, which is none, has no box.
 pub fn insertion_to_wire(insertion: &InsertionDescription) -> v1::InsertRequest {
     use v1::insert_request::Placement as Wire;
     let placement = match &insertion.placement {
@@ -124,7 +184,16 @@ pub fn insertion_to_wire(insertion: &InsertionDescription) -> v1::InsertRequest 
                 attempts: Some(*attempts),
             })
         }
+        Placement::Deposition { region, count, fixed_orientation } => Wire::Deposition(v1::DepositionPlacement {
+            r#box: match region_to_wire(region) {
+                v1::random_placement::Region::Box(region) => Some(region),
+                v1::random_placement::Region::Cylinder(_) => None,
+            },
+            count: *count,
+            fixed_orientation: *fixed_orientation,
+        }),
     };
+    let (scale, scale_law) = scale_to_wire(&insertion.scale);
     v1::InsertRequest {
         header: None,
         shape: insertion.shape.clone(),
@@ -132,7 +201,9 @@ pub fn insertion_to_wire(insertion: &InsertionDescription) -> v1::InsertRequest 
         placement: Some(placement),
         velocity_m_per_s: Some(vec3(insertion.velocity_m_per_s)),
         angular_velocity_rad_per_s: Some(vec3(insertion.angular_velocity_rad_per_s)),
-        scale: Some(v1::ScaleRange { min: insertion.scale.min, max: insertion.scale.max }),
+        scale,
+        scale_law,
+        frozen: insertion.frozen,
     }
 }
 

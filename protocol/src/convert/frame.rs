@@ -73,6 +73,10 @@ fn column_to_wire(snapshot: &Snapshot, column: ParticleColumn, float: FloatType)
         ParticleColumn::AngularVelocities => floats(float, name, "rad/s", &snapshot.angular_velocities),
         ParticleColumn::Forces => floats(float, name, "N", &snapshot.forces),
         ParticleColumn::Torques => floats(float, name, "N m", &snapshot.torques),
+        ParticleColumn::Frozen if snapshot.frozen.is_empty() => {
+            columns::flat(name, "", 1, &vec![0u32; snapshot.ids.len()])
+        }
+        ParticleColumn::Frozen => columns::flat(name, "", 1, &snapshot.frozen),
     }
 }
 

@@ -10,6 +10,7 @@ use sturz_engine::{Engine, Report, Stage, StepError};
 
 use crate::cli;
 use crate::commands::{Failure, print_json, table};
+use crate::course;
 use crate::scenes;
 use crate::stages::StageTotals;
 
@@ -57,7 +58,7 @@ pub struct Summary {
 
 /// Runs a scene to its end.
 pub fn run(options: &cli::Run) -> Result<(), Failure> {
-    let scene = scenes::load(&options.scene.scene)?;
+    let scene = scenes::load_from(&options.scene.scene, options.from.as_deref())?;
     let stop_s = options.time.or(scene.description().stop.time_s).ok_or_else(|| {
         Failure::Usage("when shall it end? Give --time SECONDS, or `[stop] time_s` in the scene".into())
     })?;
@@ -76,6 +77,7 @@ pub fn run(options: &cli::Run) -> Result<(), Failure> {
     let (ending, failure) = loop {
         let slice = engine.in_pool(|engine| step_for_a_slice(engine, stop_s));
         particle_steps += slice.particle_steps;
+        tell_happenings(&bar, &mut engine);
         show_progress(&bar, &engine, started);
         match slice.outcome {
             Err(failure) => break (Ending::Failed, Some(failure.to_string())),
@@ -158,6 +160,16 @@ fn progress_bar(name: &str, engine: &Engine, stop_s: f64, hidden: bool) -> Progr
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_prefix(name.to_string());
     bar
+}
+
+/// Stages, inflows that end or find no room.
+pub(super) fn tell_happenings(bar: &ProgressBar, engine: &mut Engine) {
+    for happening in engine.take_happenings() {
+        let event = course::event(engine.scene().description(), &happening);
+        if event.inserted.is_none() {
+            bar.println(format!("t = {:.6} s: {}", engine.clock().time_s(), event.message));
+        }
+    }
 }
 
 fn show_progress(bar: &ProgressBar, engine: &Engine, started: Instant) {

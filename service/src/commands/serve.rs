@@ -29,7 +29,7 @@ pub fn serve(mut options: cli::Serve) -> Result<(), Failure> {
     let resumed = options.resume.as_deref().map(Folder::open).transpose()?;
     let (scene, given_name) = match (&resumed, &options.scene) {
         (Some((folder, about)), _) => (folder.scene()?, about.instance.clone()),
-        (None, Some(scene)) => (scenes::load(scene)?, scenes::instance_name(scene)),
+        (None, Some(scene)) => (scenes::load_from(scene, options.from.as_deref())?, scenes::instance_name(scene)),
         (None, None) => return Err(Failure::Usage("which scene?".into())),
     };
     let instance = options.name.unwrap_or(given_name);

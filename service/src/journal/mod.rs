@@ -7,6 +7,7 @@
 //! ```text
 //! DIR/run.json          what run this is
 //! DIR/scene.toml        the scene, files of meshes and shapes included
+//! DIR/bed.sturz         the bed that it starts with, where it starts with one
 //! DIR/log/*.log         records
 //! DIR/snapshots/*       the last two
 //! DIR/checkpoints/*     what clients have saved on disk
@@ -90,6 +91,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
 const FORMAT: u32 = 1;
 const ABOUT: &str = "run.json";
 const SCENE: &str = "scene.toml";
+const BED: &str = "bed.sturz";
 const LOCK: &str = "lock";
 
 /// A journal's folder.
@@ -122,7 +124,12 @@ impl Folder {
                 bail!("{} is not empty: choose another folder for --journal", inner.display());
             }
         }
-        let text = scene.description().to_toml().map_err(|error| anyhow!("the scene cannot be written: {error}"))?;
+        let mut written = scene.description().clone();
+        if let Some(start) = &mut written.start {
+            write_whole(path, BED, &[start.bytes.0.to_vec().into()]).with_context(context)?;
+            start.checkpoint = BED.into();
+        }
+        let text = written.to_toml().map_err(|error| anyhow!("the scene cannot be written: {error}"))?;
         let about = About::new(instance, &text);
         write_whole(path, SCENE, &[text.into()]).with_context(context)?;
         // Last: with it, the folder is a run.
@@ -174,7 +181,10 @@ impl Folder {
         if hexadecimal(text.as_bytes()) != Self::look(&self.path)?.1.scene {
             bail!("{} is not the scene that the run began with: its checksum differs", path.display());
         }
-        let described = SceneDescription::from_toml(&text).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        let mut described =
+            SceneDescription::from_toml(&text).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        let files = described.read_files(|name| fs::read(self.path.join(name)));
+        files.map_err(|problems| anyhow!("{} cannot be used:\n{problems}", path.display()))?;
         Scene::validate(described).map_err(|problems| anyhow!("{} cannot be used:\n{problems}", path.display()))
     }
 

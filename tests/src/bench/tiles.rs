@@ -1,7 +1,7 @@
 //! A bed repeated along x and y: the same packing with any number of particles.
 
 use sturz_engine::Engine;
-use sturz_engine::scene::{InsertionDescription, Placement, ScaleRange, Scene, SceneDescription};
+use sturz_engine::scene::{InsertionDescription, Placement, ScaleLaw, Scene, SceneDescription};
 
 use super::cache::Bed;
 use super::workload::{Softness, Workload};
@@ -48,7 +48,8 @@ fn insertions(bed: &Bed, place: impl Fn(&[f64; 3]) -> Vec<[f64; 3]>) -> Vec<Inse
             placement: Placement::Poses { positions_m, orientations_wxyz },
             velocity_m_per_s: [0.0; 3],
             angular_velocity_rad_per_s: [0.0; 3],
-            scale: ScaleRange { min: bed.scales[k], max: bed.scales[k] },
+            scale: ScaleLaw::only(bed.scales[k]),
+            frozen: false,
         }
     };
     (0..bed.positions.len()).map(of).collect()

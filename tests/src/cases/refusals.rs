@@ -74,7 +74,7 @@ fn commands(checks: &mut Checks) -> anyhow::Result<()> {
     };
     let good_turn = [1.0, 0.0, 0.0, 0.0];
     let scaled = |min: f64, max: f64| {
-        let scale = sturz_engine::scene::ScaleRange { min, max };
+        let scale = sturz_engine::scene::ScaleLaw::Uniform { min, max };
         Command::Insert(InsertionDescription { scale, ..insertion.clone() })
     };
     let bad = [

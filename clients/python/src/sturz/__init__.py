@@ -32,6 +32,7 @@ from .loads import Loads
 from .output import Output
 from .participant import CouplingError, Participant
 from .simulation import Advanced, Box, Cylinder, Simulation, Stepped, connect, launch
+from .sizes import LognormalScale, NormalScale, ScaleTable
 from .state import BoundaryState, ColumnMissing, Header, Shape, State
 from .status import (
     Boundary,
@@ -94,13 +95,16 @@ __all__ = [
     "LeaseChange",
     "Limits",
     "Loads",
+    "LognormalScale",
     "NoAnswer",
+    "NormalScale",
     "NotConnected",
     "Output",
     "Participant",
     "ProtocolError",
     "Report",
     "RunState",
+    "ScaleTable",
     "Severity",
     "Shape",
     "Simulation",

@@ -257,6 +257,7 @@ class AsyncSimulation:
     insert_poses = _awaited(Simulation.insert_poses)
     insert_lattice = _awaited(Simulation.insert_lattice)
     insert_random = _awaited(Simulation.insert_random)
+    insert_deposition = _awaited(Simulation.insert_deposition)
     remove = _awaited(Simulation.remove)
     set_gravity = _awaited(Simulation.set_gravity)
     set_rotation = _awaited(Simulation.set_rotation)

@@ -29,6 +29,7 @@ from .field import Field, FieldDefinition, grid_from
 from .loads import Loads
 from .output import FloatType, output_message
 from .progress import ProgressBar, wanted
+from .sizes import Scale, write_scale
 from .state import Shape, State
 from .status import Checkpoint, Event, Features, Info, Report
 from .stream import Stream
@@ -384,7 +385,8 @@ class Simulation:
         orientations_wxyz: ArrayLike | None = None,
         velocity_m_per_s: ArrayLike = (0, 0, 0),
         angular_velocity_rad_per_s: ArrayLike = (0, 0, 0),
-        scale: float | tuple[float, float] = 1.0,
+        scale: Scale = 1.0,
+        frozen: bool = False,
     ) -> NDArray[np.uint64]:
         """Adds particles at given poses of the shape's given frame. Overlap is not checked.
 
@@ -395,7 +397,10 @@ class Simulation:
             orientations_wxyz: unit quaternions, (n, 4); unrotated when absent.
             velocity_m_per_s: of each, (3,).
             angular_velocity_rad_per_s: of each, in world axes, (3,).
-            scale: size relative to the shape, or (smallest, largest) for uniformly random ones.
+            scale: size relative to the shape, (smallest, largest) for uniformly random ones, or one of `NormalScale`,
+                `LognormalScale` and `ScaleTable`.
+            frozen: they keep their velocity whatever pushes them, and meet neither their like nor boundaries: a rough
+                base.
 
         Returns:
             Ids, (n,).
@@ -405,7 +410,7 @@ class Simulation:
             orientations = wire.encode("orientations_wxyz", orientations_wxyz, components=4)
             poses.orientations_wxyz.CopyFrom(orientations)
         request = pb.InsertRequest(shape=shape, material=material, poses=poses)
-        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale)
+        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale, frozen)
 
     def insert_lattice(
         self,
@@ -418,7 +423,8 @@ class Simulation:
         random_orientation: bool = False,
         velocity_m_per_s: ArrayLike = (0, 0, 0),
         angular_velocity_rad_per_s: ArrayLike = (0, 0, 0),
-        scale: float | tuple[float, float] = 1.0,
+        scale: Scale = 1.0,
+        frozen: bool = False,
     ) -> NDArray[np.uint64]:
         """Adds particles on the nodes of a lattice.
 
@@ -439,7 +445,7 @@ class Simulation:
             random_orientation=random_orientation,
         )
         request = pb.InsertRequest(shape=shape, material=material, lattice=lattice)
-        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale)
+        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale, frozen)
 
     def insert_random(
         self,
@@ -453,7 +459,8 @@ class Simulation:
         attempts: int | None = None,
         velocity_m_per_s: ArrayLike = (0, 0, 0),
         angular_velocity_rad_per_s: ArrayLike = (0, 0, 0),
-        scale: float | tuple[float, float] = 1.0,
+        scale: Scale = 1.0,
+        frozen: bool = False,
     ) -> NDArray[np.uint64]:
         """Adds particles at random places without overlap with particles or boundaries.
 
@@ -484,19 +491,49 @@ class Simulation:
             random.cylinder.radius_m = region.radius_m
             random.cylinder.length_m = region.length_m
         request = pb.InsertRequest(shape=shape, material=material, random=random)
-        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale)
+        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale, frozen)
+
+    def insert_deposition(
+        self,
+        *,
+        shape: str,
+        material: str,
+        region: Box,
+        count: int,
+        fixed_orientation: bool = False,
+        velocity_m_per_s: ArrayLike = (0, 0, 0),
+        angular_velocity_rad_per_s: ArrayLike = (0, 0, 0),
+        scale: Scale = 1.0,
+        frozen: bool = False,
+    ) -> NDArray[np.uint64]:
+        """Adds particles as a loose bed: circumscribed spheres drop one by one and roll to local minima of height.
+
+        Args:
+            region: its floor bears them, as does what is there already; its sides along x and y are walls unless it
+                spans a periodic cell. Refused where the heap grows above it.
+            count: how many.
+            fixed_orientation: unrotated instead of random.
+
+        The other arguments, and what is returned, are those of `insert_poses`.
+        """
+        deposition = pb.DepositionPlacement(count=count, fixed_orientation=fixed_orientation)
+        deposition.box.min_m.CopyFrom(wire.vec3("min_m", region.min_m))
+        deposition.box.max_m.CopyFrom(wire.vec3("max_m", region.max_m))
+        request = pb.InsertRequest(shape=shape, material=material, deposition=deposition)
+        return self._insert(request, velocity_m_per_s, angular_velocity_rad_per_s, scale, frozen)
 
     def _insert(
         self,
         request: pb.InsertRequest,
         velocity_m_per_s: ArrayLike,
         angular_velocity_rad_per_s: ArrayLike,
-        scale: float | tuple[float, float],
+        scale: Scale,
+        frozen: bool,
     ) -> NDArray[np.uint64]:
         request.velocity_m_per_s.CopyFrom(wire.vec3("velocity_m_per_s", velocity_m_per_s))
         request.angular_velocity_rad_per_s.CopyFrom(wire.vec3("angular_velocity_rad_per_s", angular_velocity_rad_per_s))
-        smallest, largest = scale if isinstance(scale, tuple) else (scale, scale)
-        request.scale.min, request.scale.max = smallest, largest
+        write_scale(request, scale)
+        request.frozen = frozen
         # Dense random insertion takes its time.
         inserted = self.command("insert", request).inserted
         return np.arange(inserted.first_id, inserted.first_id + inserted.count, dtype=np.uint64)

@@ -193,6 +193,11 @@ class State:
         return self._column("torques")
 
     @property
+    def frozen(self) -> NDArray[np.bool_]:
+        """Which particles keep their velocity whatever pushes them, (n,). On request."""
+        return self._column("frozen").astype(bool)
+
+    @property
     def speeds_m_per_s(self) -> Floats:
         """Of the centres of mass, (n,), m/s."""
         speeds: Floats = np.linalg.norm(self.velocities_m_per_s, axis=1)

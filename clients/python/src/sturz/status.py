@@ -50,6 +50,8 @@ class EventKind(enum.IntEnum):
     WARNING = 12
     OUTPUT = 13
     JOURNAL = 20
+    STAGE = 30
+    INFLOW = 31
 
     @classmethod
     def _missing_(cls, value: object) -> EventKind:
@@ -586,7 +588,7 @@ class Event:
         kind: what.
         severity: how bad.
         message: for people.
-        name: of the field, output or checkpoint, for such events; of the client, for lease events.
+        name: of the field, output, checkpoint, stage or inflow, for such events; of the client, for lease events.
         request_id: of the command, for command events; empty otherwise.
         outcome: of the command, for command events.
         inserted: ids that were added, for particles events.

@@ -75,27 +75,69 @@ class ScaleRange(_message.Message):
     max: float
     def __init__(self, min: _Optional[float] = ..., max: _Optional[float] = ...) -> None: ...
 
+class NormalScale(_message.Message):
+    __slots__ = ("mean", "standard_deviation", "min", "max")
+    MEAN_FIELD_NUMBER: _ClassVar[int]
+    STANDARD_DEVIATION_FIELD_NUMBER: _ClassVar[int]
+    MIN_FIELD_NUMBER: _ClassVar[int]
+    MAX_FIELD_NUMBER: _ClassVar[int]
+    mean: float
+    standard_deviation: float
+    min: float
+    max: float
+    def __init__(self, mean: _Optional[float] = ..., standard_deviation: _Optional[float] = ..., min: _Optional[float] = ..., max: _Optional[float] = ...) -> None: ...
+
+class LognormalScale(_message.Message):
+    __slots__ = ("median", "log_standard_deviation", "min", "max")
+    MEDIAN_FIELD_NUMBER: _ClassVar[int]
+    LOG_STANDARD_DEVIATION_FIELD_NUMBER: _ClassVar[int]
+    MIN_FIELD_NUMBER: _ClassVar[int]
+    MAX_FIELD_NUMBER: _ClassVar[int]
+    median: float
+    log_standard_deviation: float
+    min: float
+    max: float
+    def __init__(self, median: _Optional[float] = ..., log_standard_deviation: _Optional[float] = ..., min: _Optional[float] = ..., max: _Optional[float] = ...) -> None: ...
+
+class ScaleTable(_message.Message):
+    __slots__ = ("scales", "weights")
+    SCALES_FIELD_NUMBER: _ClassVar[int]
+    WEIGHTS_FIELD_NUMBER: _ClassVar[int]
+    scales: _containers.RepeatedScalarFieldContainer[float]
+    weights: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, scales: _Optional[_Iterable[float]] = ..., weights: _Optional[_Iterable[float]] = ...) -> None: ...
+
 class InsertRequest(_message.Message):
-    __slots__ = ("header", "shape", "material", "poses", "lattice", "random", "velocity_m_per_s", "angular_velocity_rad_per_s", "scale")
+    __slots__ = ("header", "shape", "material", "poses", "lattice", "random", "deposition", "velocity_m_per_s", "angular_velocity_rad_per_s", "scale", "normal_scale", "lognormal_scale", "scale_table", "frozen")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     SHAPE_FIELD_NUMBER: _ClassVar[int]
     MATERIAL_FIELD_NUMBER: _ClassVar[int]
     POSES_FIELD_NUMBER: _ClassVar[int]
     LATTICE_FIELD_NUMBER: _ClassVar[int]
     RANDOM_FIELD_NUMBER: _ClassVar[int]
+    DEPOSITION_FIELD_NUMBER: _ClassVar[int]
     VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
     ANGULAR_VELOCITY_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
     SCALE_FIELD_NUMBER: _ClassVar[int]
+    NORMAL_SCALE_FIELD_NUMBER: _ClassVar[int]
+    LOGNORMAL_SCALE_FIELD_NUMBER: _ClassVar[int]
+    SCALE_TABLE_FIELD_NUMBER: _ClassVar[int]
+    FROZEN_FIELD_NUMBER: _ClassVar[int]
     header: CommandHeader
     shape: str
     material: str
     poses: PosesPlacement
     lattice: LatticePlacement
     random: RandomPlacement
+    deposition: DepositionPlacement
     velocity_m_per_s: _data_pb2.Vec3
     angular_velocity_rad_per_s: _data_pb2.Vec3
     scale: ScaleRange
-    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., shape: _Optional[str] = ..., material: _Optional[str] = ..., poses: _Optional[_Union[PosesPlacement, _Mapping]] = ..., lattice: _Optional[_Union[LatticePlacement, _Mapping]] = ..., random: _Optional[_Union[RandomPlacement, _Mapping]] = ..., velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., angular_velocity_rad_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., scale: _Optional[_Union[ScaleRange, _Mapping]] = ...) -> None: ...
+    normal_scale: NormalScale
+    lognormal_scale: LognormalScale
+    scale_table: ScaleTable
+    frozen: bool
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., shape: _Optional[str] = ..., material: _Optional[str] = ..., poses: _Optional[_Union[PosesPlacement, _Mapping]] = ..., lattice: _Optional[_Union[LatticePlacement, _Mapping]] = ..., random: _Optional[_Union[RandomPlacement, _Mapping]] = ..., deposition: _Optional[_Union[DepositionPlacement, _Mapping]] = ..., velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., angular_velocity_rad_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., scale: _Optional[_Union[ScaleRange, _Mapping]] = ..., normal_scale: _Optional[_Union[NormalScale, _Mapping]] = ..., lognormal_scale: _Optional[_Union[LognormalScale, _Mapping]] = ..., scale_table: _Optional[_Union[ScaleTable, _Mapping]] = ..., frozen: bool = ...) -> None: ...
 
 class PosesPlacement(_message.Message):
     __slots__ = ("positions_m", "orientations_wxyz")
@@ -136,6 +178,16 @@ class RandomPlacement(_message.Message):
     fixed_orientation: bool
     attempts: int
     def __init__(self, box: _Optional[_Union[BoxRegion, _Mapping]] = ..., cylinder: _Optional[_Union[CylinderRegion, _Mapping]] = ..., count: _Optional[int] = ..., solid_fraction: _Optional[float] = ..., fixed_orientation: bool = ..., attempts: _Optional[int] = ...) -> None: ...
+
+class DepositionPlacement(_message.Message):
+    __slots__ = ("box", "count", "fixed_orientation")
+    BOX_FIELD_NUMBER: _ClassVar[int]
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    FIXED_ORIENTATION_FIELD_NUMBER: _ClassVar[int]
+    box: BoxRegion
+    count: int
+    fixed_orientation: bool
+    def __init__(self, box: _Optional[_Union[BoxRegion, _Mapping]] = ..., count: _Optional[int] = ..., fixed_orientation: bool = ...) -> None: ...
 
 class BoxRegion(_message.Message):
     __slots__ = ("min_m", "max_m")

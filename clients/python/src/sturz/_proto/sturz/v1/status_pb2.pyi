@@ -34,6 +34,8 @@ class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     EVENT_KIND_JOURNAL: _ClassVar[EventKind]
     EVENT_KIND_WARNING: _ClassVar[EventKind]
     EVENT_KIND_OUTPUT: _ClassVar[EventKind]
+    EVENT_KIND_STAGE: _ClassVar[EventKind]
+    EVENT_KIND_INFLOW: _ClassVar[EventKind]
 
 class WarningKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
@@ -78,6 +80,8 @@ EVENT_KIND_LEASE: EventKind
 EVENT_KIND_JOURNAL: EventKind
 EVENT_KIND_WARNING: EventKind
 EVENT_KIND_OUTPUT: EventKind
+EVENT_KIND_STAGE: EventKind
+EVENT_KIND_INFLOW: EventKind
 WARNING_KIND_UNSPECIFIED: WarningKind
 WARNING_KIND_LARGE_OVERLAP: WarningKind
 WARNING_KIND_FAST_PARTICLE: WarningKind
