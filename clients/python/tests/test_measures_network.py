@@ -27,6 +27,7 @@ def test_rattlers_go_one_after_the_other() -> None:
     found = coordination(state_of(np.zeros((7, 3))), contacts_of([(a, b, UP, UP, 1.0) for a, b in pairs]))
     assert found.is_rattler.tolist() == [False] * 5 + [True, True]
     assert found.mean_without_rattlers == 4.0
+    assert found.per_particle_without_rattlers.tolist() == [4] * 5 + [0, 0]
     assert found.mean == pytest.approx((4 * 4 + 5 + 2 + 1) / 7)
     chain = contacts_of([(k, k + 1, UP, UP, 1.0) for k in range(6)])
     all_loose = coordination(state_of(np.zeros((7, 3))), chain, least_neighbours=2)

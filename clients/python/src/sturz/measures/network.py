@@ -30,12 +30,14 @@ class Coordination:
         per_particle: neighbours of each particle, (n,).
         mean: over all particles; NaN of none.
         is_rattler: which particles carry nothing, (n,).
-        mean_without_rattlers: contacts among the others, per other; NaN when there are none.
+        per_particle_without_rattlers: neighbours that are no rattlers; 0 for rattlers themselves, (n,).
+        mean_without_rattlers: the mean of that over those that are no rattlers; NaN when there are none.
     """
 
     per_particle: NDArray[np.int64]
     mean: float
     is_rattler: NDArray[np.bool_]
+    per_particle_without_rattlers: NDArray[np.int64]
     mean_without_rattlers: float
 
 
@@ -91,11 +93,12 @@ def coordination(
     counted = walls if with_walls else np.zeros(n, dtype=np.int64)
     per_particle = (np.bincount(pairs.ravel(), minlength=n) + counted).astype(np.int64)
     others = ~rattler
-    inner = np.bincount(kept.ravel(), minlength=n) + counted
+    inner = np.where(rattler, 0, np.bincount(kept.ravel(), minlength=n) + counted).astype(np.int64)
     return Coordination(
         per_particle=per_particle,
         mean=float(per_particle.mean()) if n else float("nan"),
         is_rattler=rattler,
+        per_particle_without_rattlers=inner,
         mean_without_rattlers=float(inner[others].mean()) if others.any() else float("nan"),
     )
 
