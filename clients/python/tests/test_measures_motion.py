@@ -215,7 +215,7 @@ def test_regimes_of_made_beds() -> None:
     bed = y[(np.hypot(y[:, 0], y[:, 2]) < 1) & (y[:, 2] < -0.3)]
     v = np.cross([0, 2.0, 0], bed) + random.normal(0, 1, bed.shape)
     assert measures.drum_regime(drum_states(bed, v, 1.0), **settings).regime == "rolling"
-    assert measures.drum_regime(drum_states(bed, v, 0.8), **settings).regime == "cataracting"
+    assert measures.drum_regime(drum_states(bed, v, 0.6), **settings).regime == "cataracting"
     mixed = [*drum_states(bed, v, 1.0, 2), *drum_states(bed, 3 * v, 1.0, 2)]
     assert measures.drum_regime(mixed, **settings).regime == "avalanching"
     bent = y[(np.hypot(y[:, 0], y[:, 2]) < 1) & (y[:, 2] < -0.3 + 0.3 * np.sin(4 * y[:, 0]))]

@@ -1,7 +1,7 @@
 """G8: rotating drum of spheres and 3D crosses, as Rakotonirina et al. 2019 (Comput. Part. Mech. 6, 55-84), section 4.2.
 
-Scaled (G8s): 14 mm deep, 1e3 N/m; half a turn at 5 rpm, three turns at 80 and 200 rpm. Each shape settles once; each rate
-starts from there. Writes rows.json, speeds.png (fig. 26), distributions.png (fig. 27) and a picture of each run.
+Scaled (G8s): 14 mm deep, 1e3 N/m; half a turn at 5 rpm, three turns at 80 and 200 rpm. Each shape settles once; each
+rate starts from there. Writes rows.json, speeds.png (fig. 26), distributions.png (fig. 27) and a picture of each run.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ def draw(opts: Options, rows: Rows) -> None:
     if not there:
         return
     shapes = list(dict.fromkeys(part.rsplit("-", 1)[0] for part in there))
-    with figure(opts.out / "speeds", 9.6, 3.4, ncols=3, sharey=True) as axes:
+    with figure(opts.out / "speeds", 9.6, 3.4, ncols=3) as axes:
         for each, rate in zip(axes, sorted(RATES), strict=True):
             for shape in shapes:
                 if rows.has(f"{shape}-{rate}"):
@@ -160,9 +160,10 @@ def draw(opts: Options, rows: Rows) -> None:
                     )
             each.set_title(f"{rate} rpm")
             each.set_xlabel("turns")
-            each.set_ylim(0, 1.6)
+            each.set_ylim(bottom=0)
+            if each.lines:
+                each.legend(frameon=False)
         axes[0].set_ylabel("mean speed / ΩR (fig. 26)")
-        axes[0].legend(frameon=False)
     with figure(opts.out / "distributions", 9.6, 3.4, ncols=max(len(shapes), 2), squeeze=False, sharey=True) as axes:
         for each, shape in zip(axes[0], shapes, strict=False):
             for k, rate in enumerate(sorted(RATES)):

@@ -142,12 +142,13 @@ def measure(run: Run, part: str, shape: str, settled: bool) -> tuple[list[Row], 
 def pack(opts: Options, rows: Rows, part: str) -> None:
     """One packing."""
     shape = "sphere" if part == "frictionless" else part
-    count = opts.pick(30, 1200 if part == "frictionless" else 450, 2000 if part == "frictionless" else 1000)
+    count = opts.pick(12, 1200 if part == "frictionless" else 450, 2000 if part == "frictionless" else 1000)
     with launched(opts, part, scene(opts, part)) as run:
         if run.info.particles < count:
-            shower(run, shape, count, HIGH_WINDOW_M if part == "frictionless" else WINDOW_M)
+            high = HIGH_WINDOW_M if part == "frictionless" else WINDOW_M
+            shower(run, shape, count, opts.pick((0.015, 0.023), high, high))
             run.save()
-        longest = run.notes.setdefault("shower_end_s", run.time_s) + opts.pick(0.1, 1.5, 3.0)
+        longest = run.notes.setdefault("shower_end_s", run.time_s) + opts.pick(0.02, 1.5, 3.0)
         quiet = 1e-11 if part == "frictionless" else 1e-6
         settled = settle(run, window_s=0.01, longest_s=longest, size_m=D, quiet=quiet)
         run.save()

@@ -1,13 +1,14 @@
 """What a packing or a flow is like, in numbers, from the arrays of `State` and `Contacts`.
 
 One file per question: `bodies` (masses), `statistics` (means with honest errors), `solid_fraction`, `stress`, `order`
-(pair correlation, nematic order), `network` (coordination, kinds of contacts), `motion` (velocities, temperature,
-energy), `surface` (free surface and its angles), `avalanches`, `mixing`, `drum` (regimes). Numpy is all they need.
-docs/measures.md says which is which.
+(pair correlation, nematic order), `coarse` (fields along one axis), `network` (coordination, kinds of contacts),
+`motion` (velocities, temperature, energy), `surface` (free surface and its angles), `avalanches`, `mixing`, `drum`
+(regimes). Numpy is all they need. docs/measures.md says which is which.
 """
 
 from .avalanches import Avalanches, bursts, drops
 from .bodies import Bodies, bodies, densities_kg_per_m3, minimum_image
+from .coarse import CoarseProfile, coarse_profile
 from .drum import DrumRegime, DrumState, drum_regime, drum_state
 from .mixing import MixingIndex, lacey_index
 from .motion import (
@@ -46,6 +47,7 @@ __all__ = [
     "Angle",
     "Avalanches",
     "Bodies",
+    "CoarseProfile",
     "ContactType",
     "Coordination",
     "Distribution",
@@ -66,6 +68,7 @@ __all__ = [
     "bodies",
     "bursts",
     "centre_of_mass_m",
+    "coarse_profile",
     "contact_types",
     "coordination",
     "densities_kg_per_m3",

@@ -13,8 +13,8 @@ from .bodies import Floats, rows_of
 
 CENTRIFUGING_SLIP = 0.05
 """Mean difference to the drum's own motion, over the rim's speed, below which a bed goes round with it."""
-FLYING_SHARE = 0.05
-"""Share of particles without contact from which on a bed cataracts."""
+FLYING_SHARE = 0.3
+"""Share of particles without contact from which on a bed cataracts: a fast layer of hard balls has much of it, too."""
 CASCADING_BEND = 0.05
 """Bend of the surface over the drum's radius from which on rolling is called cascading."""
 INTERMITTENCE = 0.25
