@@ -83,8 +83,8 @@ def turn(opts: Options, run: Run, rpm: int) -> tuple[list[measures.DrumState], d
 
 
 def rows_of(run: Run, shape: str, rpm: int, states: list[measures.DrumState], kept: dict[str, np.ndarray]) -> list[Row]:
-    """The numbers of one run: of its last two thirds."""
-    late = slice(len(states) // 3, None)
+    """The numbers of one run: of its last third, at 80 and 200 rpm the third turn."""
+    late = slice(2 * len(states) // 3 if rpm > 5 else len(states) // 3, None)
     rate = rpm * 2 * np.pi / 60
     regime = measures.drum_regime(
         states[late], angular_velocity_rad_per_s=rate, radius_m=RADIUS_M, gravity_m_per_s2=9.81
@@ -136,6 +136,13 @@ def rows_of(run: Run, shape: str, rpm: int, states: list[measures.DrumState], ke
         )
         rows.append(judge("steepest surface", steepest, low, high, "deg"))
         rows.append(mean("angle of the surface", kept["angle_deg"], "deg"))
+        angles = kept["angle_deg"][late]
+        falls = measures.drops(kept["time_s"][late], angles, least_drop=2.0)
+        rows.append(run.row(name, "falls of the surface by 2 degrees or more", len(falls)))
+        if len(falls):
+            rows.append(run.row(name, "mean fall", float(falls.size.mean()), unit="deg"))
+        if len(falls) > 1:
+            rows.append(run.row(name, "mean wait between falls", float(falls.waiting_s.mean()), unit="s"))
     return rows
 
 

@@ -200,7 +200,7 @@ def draw(opts: Options, rows: Rows) -> None:
             each.set_title(title)
             each.set_xlabel(x)
             each.set_ylabel(y)
-            each.legend(frameon=False, fontsize=7)
+            each.legend(frameon=False, fontsize=7, loc="best" if each is not axes[1, 0] else "lower center", ncols=2)
             each.set_ylim(bottom=0 if each is not axes[0, 1] else None)
 
 

@@ -26,6 +26,8 @@ REFERENCES = {
     "cross_3d": 79.63,
 }
 TOLERANCE = {"sphere": 1.5, "cylinder": 1.5, "cube": 1.5, "tetrahedron": 1.5, "cross_2d": np.nan, "cross_3d": np.nan}
+# Of the scaled form, in a cell of seven diameters: beds of some ten diameters, of twenty without friction.
+SCALED_COUNT = {"frictionless": 1200, "cross_2d": 250, "cross_3d": 200}
 # The window of the shower, over the floor; the paper does not say how high its own is.
 WINDOW_M = (0.066, 0.074)
 HIGH_WINDOW_M = (0.1, 0.108)
@@ -142,7 +144,7 @@ def measure(run: Run, part: str, shape: str, settled: bool) -> tuple[list[Row], 
 def pack(opts: Options, rows: Rows, part: str) -> None:
     """One packing."""
     shape = "sphere" if part == "frictionless" else part
-    count = opts.pick(12, 1200 if part == "frictionless" else 450, 2000 if part == "frictionless" else 1000)
+    count = opts.pick(12, SCALED_COUNT.get(part, 450), 2000 if part == "frictionless" else 1000)
     with launched(opts, part, scene(opts, part)) as run:
         if run.info.particles < count:
             high = HIGH_WINDOW_M if part == "frictionless" else WINDOW_M

@@ -12,7 +12,8 @@ from ..state import State
 from .bodies import Floats, rows_of
 
 CENTRIFUGING_SLIP = 0.05
-"""Mean difference to the drum's own motion, over the rim's speed, below which a bed goes round with it."""
+"""Mean difference to the drum's own motion, over the rim's speed, below which a bed goes round with it, as a ring or as
+an entangled lump."""
 FLYING_SHARE = 0.3
 """Share of particles without contact from which on a bed cataracts: a fast layer of hard balls has much of it, too."""
 CASCADING_BEND = 0.05
@@ -156,7 +157,7 @@ def drum_regime(
     speeds = np.array([each.mean_speed for each in states])
     intermittence = float(speeds.std() / speeds.mean()) if speeds.mean() > 0.0 else float("nan")
     slip, flying, bend = mean("slip"), mean("flying"), mean("bend")
-    if slip < CENTRIFUGING_SLIP and mean("centre_radius") < 0.25:
+    if slip < CENTRIFUGING_SLIP:
         regime = "centrifuging"
     elif flying >= FLYING_SHARE:
         regime = "cataracting"
