@@ -31,7 +31,10 @@ SCALED_COUNT = {"frictionless": 1200, "cross_2d": 250, "cross_3d": 200}
 # The window of the shower, over the floor; the paper does not say how high its own is.
 WINDOW_M = (0.066, 0.074)
 HIGH_WINDOW_M = (0.1, 0.108)
-PARTS = (*REFERENCES, "frictionless")
+# Polyhedra under the law of points, too: does the law make the difference?
+POINTS = ("cube_points", "tetrahedron_points")
+PARTS = (*REFERENCES, "frictionless", *POINTS)
+DEFAULT_PARTS = (*REFERENCES, "frictionless")
 
 
 def scene(opts: Options, part: str) -> str:
@@ -42,6 +45,8 @@ def scene(opts: Options, part: str) -> str:
     )
     if opts.size == "short":
         text = text.replace("stiffness_n_per_m = 1e5", "stiffness_n_per_m = 1e4").replace("2e-6", "5e-6")
+    if part in POINTS:
+        text = text.replace("generalized_overlap = { rounding_fraction = 0.05 }", 'normal = "linear"')
     return text.replace("friction = 0.55", "friction = 0.0") if part == "frictionless" else text
 
 
@@ -85,7 +90,7 @@ def measure(run: Run, part: str, shape: str, settled: bool) -> tuple[list[Row], 
     z = state.positions_m[:, 2]
     inner = (z > low) & (z < high) & ~touching.is_rattler
     carried = float(touching.per_particle_without_rattlers[inner].mean()) if inner.any() else np.nan
-    name = f"I16-{part}" if part == "frictionless" else f"G6-{shape}"
+    name = f"I16-{part}" if part == "frictionless" else f"G6-{part}"
     error = 100 * float(slices.std(ddof=1) / 2)
     rows = []
     if part == "frictionless":
@@ -143,7 +148,7 @@ def measure(run: Run, part: str, shape: str, settled: bool) -> tuple[list[Row], 
 
 def pack(opts: Options, rows: Rows, part: str) -> None:
     """One packing."""
-    shape = "sphere" if part == "frictionless" else part
+    shape = "sphere" if part == "frictionless" else part.removesuffix("_points")
     count = opts.pick(12, SCALED_COUNT.get(part, 450), 2000 if part == "frictionless" else 1000)
     with launched(opts, part, scene(opts, part)) as run:
         if run.info.particles < count:
@@ -208,7 +213,7 @@ def main() -> None:
     opts = options(__doc__ or "", "porosity", PARTS)
     rows = Rows(opts.out / "rows.json")
     for part in PARTS:
-        if opts.wants(part) and not rows.has(part):
+        if (opts.wants(part) if opts.only else part in DEFAULT_PARTS) and not rows.has(part):
             pack(opts, rows, part)
             draw(opts, rows)
     draw(opts, rows)

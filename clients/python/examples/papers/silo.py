@@ -15,7 +15,7 @@ from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, figure, launc
 from sturz import measures
 
 G = 9.81
-ORIFICES_MM = (20, 24, 28, 32, 40)
+ORIFICES_MM = (20, 24, 28, 32)
 PARTS = ("janssen", *(f"beverloo-{mm}" for mm in ORIFICES_MM))
 SIDES = 36
 
@@ -42,7 +42,7 @@ def janssen(opts: Options, rows: Rows) -> None:
         text = text.replace("count = 3800", "count = 500").replace("length_m = 1.2", "length_m = 0.17")
     diameter, friction, area = 0.1, 0.5, np.pi * 0.05**2
     with launched(opts, "janssen", text) as run:
-        settle(run, window_s=0.05, longest_s=opts.pick(0.1, 1.5, 3.0), size_m=0.01)
+        settle(run, window_s=0.05, longest_s=opts.pick(0.1, 1.0, 3.0), size_m=0.01)
         run.save()
         run.simulation.set_translation(boundary="floor", velocity_m_per_s=(0, 0, -0.01))
         run.advance(opts.pick(0.02, 0.2, 0.5))
@@ -104,7 +104,7 @@ def with_orifice(text: str, diameter_m: float) -> str:
     """The discharge scene with another orifice: a polygon of the same area."""
     inner = 0.5 * diameter_m * np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
     angles = 2 * np.pi * np.arange(SIDES) / SIDES
-    rings = [(r * np.cos(a), r * np.sin(a)) for a in angles for r in (inner, 0.056)]
+    rings = [(r * np.cos(a), r * np.sin(a)) for a in angles for r in (inner, 0.046)]
     vertices = ", ".join(f"[{x:.7f}, {y:.7f}, 0.0]" for x, y in rings)
     return re.sub(r"^vertices_m = .*$", f"vertices_m = [{vertices}]", text, flags=re.MULTILINE)
 
@@ -114,8 +114,8 @@ def beverloo(opts: Options, rows: Rows, part: str) -> None:
     orifice = float(part.split("-")[1]) * 1e-3
     text = with_orifice((SCENES / "silo-discharge.toml").read_text(), orifice)
     if opts.size == "short":
-        text = text.replace("count = 8000", "count = 600").replace("length_m = 0.17", "length_m = 0.03")
-    area = np.pi * 0.05**2
+        text = text.replace("count = 4500", "count = 600").replace("length_m = 0.17", "length_m = 0.03")
+    area = np.pi * 0.04**2
     with launched(opts, part, text) as run:
         settle(run, window_s=0.02, longest_s=opts.pick(0.06, 0.5, 0.8), size_m=4e-3, quiet=1e-4)
         state, _, heavy = run.seen()
@@ -228,7 +228,7 @@ def draw(opts: Options, rows: Rows) -> None:
         d0, rate, k, c, _ = exponent(rows)
         with figure(opts.out / "beverloo", 8.6, 3.6, ncols=2) as axes:
             bulk = rows.value(f"beverloo-{there[0]}", "bulk density")
-            x = np.linspace(0.012, 0.042, 100)
+            x = np.linspace(0.012, 0.034, 100)
             axes[0].plot(
                 1e3 * x, 0.58 * bulk * np.sqrt(G) * (x - 1.4 * 4e-3) ** 2.5, color=REFERENCE, label="C = 0.58, k = 1.4"
             )
