@@ -83,6 +83,15 @@ def test_generalized_overlap_looks_at_the_features(turn, expected) -> None:
         assert contact_types(state, wall, [box()]).tolist() == [int(expected)]
 
 
+@pytest.mark.parametrize(("turn", "expected"), [(0.0, ContactType.EDGE_FACE), (0.4, ContactType.SINGLE)])
+def test_edges_that_cross_touch_in_a_point_and_parallel_ones_along_their_length(turn, expected) -> None:
+    on_edge = np.array([np.cos(np.pi / 8), np.sin(np.pi / 8), 0, 0])
+    yaw = np.array([np.cos(turn / 2), 0, 0, np.sin(turn / 2)])
+    state = state_of(np.zeros((2, 3)), orientations=np.array([on_edge, product(yaw, on_edge)]))
+    network = contacts_of([(0, 1, UP, UP, 1.0)], kinds=np.array([sturz.ContactKind.OVERLAP], dtype=np.uint32))
+    assert contact_types(state, network, [box()]).tolist() == [int(expected)]
+
+
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Of quaternions."""
     w = p[0] * q[0] - p[1:] @ q[1:]

@@ -108,8 +108,8 @@ def contact_types(state: State, contacts: Contacts, shapes: Sequence[Shape]) -> 
 
     Under the laws of points the number of touching points decides: one, two, or more. Under `generalized_overlap` the
     points are those of a norm and fade into each other, so features decide: corners of either body that are no farther
-    than the overlap behind its foremost one along the normal are in touch; one on either side is a single contact, two
-    an edge, three a face. An edge on a face, or two edges side by side, make `EDGE_FACE`; two faces `FACE_FACE`.
+    than the overlap behind its foremost one along the normal are in touch; two are an edge, three a face. A corner on
+    anything and crossed edges are `SINGLE`, an edge on a face and edges side by side `EDGE_FACE`, faces `FACE_FACE`.
 
     Raises:
         ValueError: `generalized_overlap` of bodies of several parts: the client does not know which corner is whose.
@@ -120,7 +120,9 @@ def contact_types(state: State, contacts: Contacts, shapes: Sequence[Shape]) -> 
         return types
     rotations = state.rotations()
     tolerance = np.maximum(contacts.overlaps_m, 0.0)
-    types[by_features] = int(ContactType.FACE_FACE)
+    # Corners in touch on either side: a plane or drum is a face. Directions of edges, for crossed ones.
+    corners = np.full((len(types), 2), 3)
+    edges = np.zeros((len(types), 2, 3))
     for side, sign in ((0, 1.0), (1, -1.0)):
         ids = contacts.ids[by_features, side]
         present = ids != np.uint64(NO_PARTICLE)
@@ -136,11 +138,20 @@ def contact_types(state: State, contacts: Contacts, shapes: Sequence[Shape]) -> 
                 )
             contact, row = chosen[here], rows[here]
             normals = sign * np.einsum("nji,nj->ni", rotations[row], contacts.normals[contact])
-            depths = (normals @ _corners(shape).T) * state.scales[row, None]
+            vertices = _corners(shape)
+            depths = (normals @ vertices.T) * state.scales[row, None]
             size = shape.bounding_radius_m * state.scales[row]
             behind = depths.max(axis=1, keepdims=True) - depths
-            touching = (behind <= np.maximum(tolerance[contact], 1e-9 * size)[:, None]).sum(axis=1)
-            types[contact] = np.minimum(types[contact], np.minimum(touching, 3))
+            corners[contact, side] = (behind <= np.maximum(tolerance[contact], 1e-9 * size)[:, None]).sum(axis=1)
+            foremost = vertices[np.argsort(behind, axis=1)[:, :2]] * state.scales[row, None, None]
+            edges[contact, side] = np.einsum("nij,nj->ni", rotations[row], foremost[:, 1] - foremost[:, 0])
+    fewest, most = corners.min(axis=1), corners.max(axis=1)
+    # Edges that cross touch in one point, edges side by side along their length.
+    lengths = np.linalg.norm(edges, axis=2)
+    apart = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / np.maximum(lengths.max(axis=1), 1e-300)
+    along = (fewest == 2) & ((most >= 3) | (apart <= np.maximum(tolerance, 1e-9 * lengths.max(axis=1))))
+    found = np.where(fewest >= 3, ContactType.FACE_FACE, np.where(along, ContactType.EDGE_FACE, ContactType.SINGLE))
+    types[by_features] = found[by_features]
     return types
 
 
