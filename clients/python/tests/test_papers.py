@@ -12,11 +12,12 @@ PAPERS = Path(__file__).resolve().parents[1] / "examples" / "papers"
 sys.path.insert(0, str(PAPERS))
 
 SCRIPTS = {
-    "porosity": (["cube", "cross_3d"], ["porosity.png", "profiles.svg", "packing_cube.png"]),
-    "packing": (["default", "shared"], ["profiles.png", "packing_default.png"]),
+    "porosity": (["cube", "cross_3d"], ["porosity.png", "profiles.svg"]),
+    "packing": (["default", "shared"], ["profiles.png"]),
     "silo": (["janssen", "beverloo-28"], ["janssen.png"]),
     "drum": (["sphere-200"], ["speeds.png", "distributions.png"]),
     "chute": (["1.01-24"], ["regimes.png"]),
+    "incline": (["default-36"], ["energy.png", "profiles.png"]),
 }
 
 

@@ -7,11 +7,10 @@ aspect and angle. Writes rows.json, regimes.png (mean speed over time) and kinet
 from __future__ import annotations
 
 import numpy as np
-from common import COLOURS, SCENES, Options, Row, Rows, Run, figure, launched, options
+from common import COLOURS, SCENES, Options, Row, Rows, Run, figure, launched, options, portrait
 
 import sturz
 from sturz import measures
-from sturz.plot import picture
 
 LENGTH_M = 0.125
 TIME_S = LENGTH_M**0.5
@@ -240,15 +239,7 @@ def main() -> None:
             run.save()
             found, kept = measure(opts, run, part, history)
             rows.keep(part, found, fields=kept)
-            state = run.simulation.state()
-            picture(
-                state,
-                run.shapes,
-                (),
-                opts.out / f"chute_{part}.png",
-                domain=run.info.domain,
-                title=f"Aspect {aspect}, {angle}°",
-            )
+            portrait(opts, run, f"chute_{part}.png", f"Aspect {aspect}, {angle}°")
         draw(opts, rows)
     draw(opts, rows)
 

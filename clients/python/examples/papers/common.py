@@ -16,6 +16,7 @@ import numpy as np
 
 import sturz
 from sturz import measures
+from sturz.plot import picture
 from sturz.plot.style import FAINT, look, new_figure
 
 SCENES = Path(__file__).resolve().parents[4] / "service" / "scenes"
@@ -278,3 +279,11 @@ def figure(path: Path, width_in: float = 6.4, height_in: float = 3.6, **grid: An
         yield axes
         drawing.savefig(path.with_suffix(".png"))
         drawing.savefig(path.with_suffix(".svg"))
+
+
+def portrait(opts: Options, run: Run, name: str, title: str) -> None:
+    """A picture of the particles as they are; none in the short form, which it would take longer than all the rest."""
+    if opts.size != "short":
+        state = run.simulation.state()
+        boundaries = [each for each in run.info.boundaries if each.kind != "mesh"]
+        picture(state, run.shapes, boundaries, opts.out / name, domain=run.info.domain, title=title)

@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import asdict
 
 import numpy as np
-from common import COLOURS, SCENES, Options, Row, Rows, Run, figure, launched, options, settle
+from common import COLOURS, SCENES, Options, Row, Rows, Run, figure, launched, options, portrait, settle
 
 import sturz
 from sturz import measures
-from sturz.plot import picture
 
 SOURCE = "Rakotonirina 2019, section 4.2"
 RADIUS_M = 0.05
@@ -198,14 +197,7 @@ def main() -> None:
             states, kept = turn(opts, run, int(rpm))
             rows.keep(part, rows_of(run, shape, int(rpm), states, kept), series=kept)
             state = run.simulation.state()
-            picture(
-                state,
-                run.shapes,
-                run.info.boundaries,
-                opts.out / f"{part}.png",
-                domain=run.info.domain,
-                title=f"{len(state)} particles ({shape.replace('_', ' ')}), {rpm} rpm",
-            )
+            portrait(opts, run, f"{part}.png", f"{len(state)} particles ({shape.replace('_', ' ')}), {rpm} rpm")
         draw(opts, rows)
     draw(opts, rows)
 

@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options
+from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options, portrait
 
 import sturz
 from sturz import measures
-from sturz.plot import picture
 
 SOURCE = "Descantes 2022, section 3.2"
 D_EQ, T_INERTIA = 0.648433, 0.805254
@@ -47,7 +46,7 @@ def lay_base(opts: Options, law: str) -> tuple[np.ndarray, np.ndarray, np.ndarra
     with launched(opts, f"base-{law}", scene(opts, law)) as run:
         if not run.resumed:
             insert(run, "stone", 3.44, 0.0, 3.0)
-            run.advance(opts.pick(2.0, 12.0, 12.0) * T_INERTIA)
+            run.advance(opts.pick(1.0, 12.0, 12.0) * T_INERTIA)
             run.save()
         state = run.simulation.state()
     return state.positions_m, state.orientations_wxyz, state.scales
@@ -96,7 +95,7 @@ def prepare(opts: Options, run: Run, law: str) -> None:
         )
     run.info = run.simulation.info()
     top = float(run.simulation.state().positions_m[:, 2].max())
-    flowing = opts.pick(3.0, 25.64, 25.64)
+    flowing = opts.pick(1.5, 25.64, 25.64)
     insert(run, "stone", flowing, top + 0.6, top + 1.8 + flowing / 1.4)
     hold(run)
     tilt(run, 50.0)
@@ -105,7 +104,7 @@ def prepare(opts: Options, run: Run, law: str) -> None:
 def flow(opts: Options, run: Run, angle: int) -> np.ndarray:
     """Ten inertial times at 50 degrees, then the angle; time, kinetic energy and mean velocity."""
     history = run.notes.setdefault("history", [])
-    steep, whole = opts.pick((1, 3), (10, 70), (10, 60))
+    steep, whole = opts.pick((1, 2), (10, 70), (10, 60))
     while len(history) < whole:
         if len(history) == steep:
             tilt(run, angle)
@@ -127,7 +126,7 @@ def average(opts: Options, run: Run) -> dict[str, np.ndarray]:
     area = float(np.prod(run.info.domain.max_m[:2]))
     states, sums = [], {}
     edges = np.arange(0.0, 2.0 + float(run.simulation.state().positions_m[:, 2].max()), 0.5 * D_EQ)
-    frames = opts.pick(2, 50, 100)
+    frames = opts.pick(1, 50, 100)
     for _ in range(frames):
         run.advance(0.2 * T_INERTIA)
         state, contacts, heavy = run.seen()
@@ -306,14 +305,7 @@ def main() -> None:
             m["history"] = history
             rows.keep(part, rows_of(run, part, history, m), profiles=m)
             state = run.simulation.state()
-            picture(
-                state,
-                run.shapes,
-                run.info.boundaries,
-                opts.out / f"incline_{part}.png",
-                domain=run.info.domain,
-                title=f"{len(state)} pinacoids, {angle}°, {law}",
-            )
+            portrait(opts, run, f"incline_{part}.png", f"{len(state)} pinacoids, {angle}°, {law}")
         draw(opts, rows)
     draw(opts, rows)
 

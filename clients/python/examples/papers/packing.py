@@ -8,10 +8,9 @@ profiles.png (solid fraction, stress, coordination), order.png (pair correlation
 from __future__ import annotations
 
 import numpy as np
-from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options
+from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options, portrait
 
 from sturz import measures
-from sturz.plot import picture
 
 SOURCE = "Descantes 2022, section 3.1"
 # Of the mean circumscribed diameter, which is 1.
@@ -127,6 +126,8 @@ def rows_of(run: Run, part: str, m: dict[str, np.ndarray]) -> list[Row]:
     middles = 0.5 * (m["coarse_m"][1:] + m["coarse_m"][:-1])
     bulk = (middles > 2 * D_EQ) & (middles < m["height"][0] - D_EQ)
     stress = m["stress_pa"][bulk].mean(axis=0) if bulk.any() else np.full((3, 3), np.nan)
+    if stress[2, 2] == 0.0:  # nothing presses yet
+        stress = np.full((3, 3), np.nan)
     name = f"K1s-{part}"
 
     def row(metric: str, value: float, reference: float = np.nan, tolerance: float = np.nan, **more) -> Row:
@@ -218,14 +219,7 @@ def main() -> None:
                 m["history"] = history
                 rows.keep(part, rows_of(run, part, m), profiles=m)
                 state = run.simulation.state()
-                picture(
-                    state,
-                    run.shapes,
-                    run.info.boundaries,
-                    opts.out / f"packing_{part}.png",
-                    domain=run.info.domain,
-                    title=f"{len(state)} pinacoids",
-                )
+                portrait(opts, run, f"packing_{part}.png", f"{len(state)} pinacoids")
             draw(opts, rows)
     draw(opts, rows)
 

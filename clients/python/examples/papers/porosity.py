@@ -8,11 +8,10 @@ Writes rows.json, porosity.png and profiles.png. Every shape is resumed where it
 from __future__ import annotations
 
 import numpy as np
-from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options, settle
+from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options, portrait, settle
 
 import sturz
 from sturz import measures
-from sturz.plot import picture
 
 SOURCE = "Rakotonirina 2019, table 5"
 D = 3e-3
@@ -162,14 +161,7 @@ def pack(opts: Options, rows: Rows, part: str) -> None:
         found, profile = measure(run, part, shape, settled)
         rows.keep(part, found, profile=profile)
         state = run.simulation.state()
-        picture(
-            state,
-            run.shapes,
-            run.info.boundaries,
-            opts.out / f"packing_{part}.png",
-            domain=run.info.domain,
-            title=f"{len(state)} particles: {part.replace('_', ' ')}",
-        )
+        portrait(opts, run, f"packing_{part}.png", f"{len(state)} particles: {part.replace('_', ' ')}")
 
 
 def draw(opts: Options, rows: Rows) -> None:
