@@ -30,10 +30,15 @@ bundled!(
     "cube-tower",
     "drum-crosses",
     "drum-lifters",
+    "drum-shapes",
     "drum-spheres",
     "free-top",
+    "packing-pinacoids",
     "pinacoid-layer",
+    "porosity-shapes",
     "rolling-sphere",
+    "silo-discharge",
+    "silo-janssen",
     "spherocylinder-slope"
 );
 
