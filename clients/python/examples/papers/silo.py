@@ -42,10 +42,10 @@ def janssen(opts: Options, rows: Rows) -> None:
         text = text.replace("count = 3800", "count = 500").replace("length_m = 1.2", "length_m = 0.17")
     diameter, friction, area = 0.1, 0.5, np.pi * 0.05**2
     with launched(opts, "janssen", text) as run:
-        settle(run, window_s=0.05, longest_s=opts.pick(0.1, 1.0, 3.0), size_m=0.01)
+        settle(run, window_s=0.05, longest_s=opts.pick(0.1, 0.8, 3.0), size_m=0.01)
         run.save()
         run.simulation.set_translation(boundary="floor", velocity_m_per_s=(0, 0, -0.01))
-        run.advance(opts.pick(0.02, 0.2, 0.5))
+        run.advance(opts.pick(0.02, 0.15, 0.5))
         frames = []
         for _ in range(opts.pick(2, 20, 50)):
             run.advance(0.005)
@@ -117,14 +117,14 @@ def beverloo(opts: Options, rows: Rows, part: str) -> None:
         text = text.replace("count = 4500", "count = 600").replace("length_m = 0.17", "length_m = 0.03")
     area = np.pi * 0.04**2
     with launched(opts, part, text) as run:
-        settle(run, window_s=0.02, longest_s=opts.pick(0.06, 0.5, 0.8), size_m=4e-3, quiet=1e-4)
+        settle(run, window_s=0.02, longest_s=opts.pick(0.06, 0.35, 0.8), size_m=4e-3, quiet=1e-4)
         state, _, heavy = run.seen()
         top = float(state.positions_m[:, 2].max())
         edges = np.array([4e-3, max(top - 8e-3, 8e-3)])
         fraction = float(measures.solid_fraction_profile(state, run.shapes, edges, area_m2=area).solid_fraction[0])
         run.simulation.set_translation(boundary="plug", velocity_m_per_s=(0, 0, -4.0))
         window, out, times, heights = 0.01, [], [], []
-        for _ in range(opts.pick(4, 60, 150)):
+        for _ in range(opts.pick(4, 45, 150)):
             run.advance(window)
             state, _, heavy = run.seen()
             gone = state.positions_m[:, 2] < -2e-3
