@@ -12,7 +12,7 @@ def number(value: Any, error: Any = None) -> str:
     """Four digits, with the error where there is one."""
     if value is None:
         return ""
-    return f"{value:.4g}" + (f" ± {error:.1g}" if error else "")
+    return f"{value:.4g}" + (f" ± {error:.2g}" if error else "")
 
 
 def table(file: Path) -> str:
