@@ -62,21 +62,6 @@ def insert(run: Run, material: str, per_area: float, low: float, high: float) ->
     )
 
 
-def hold(run: Run) -> None:
-    """Holds the base by a drag that stops it within a step."""
-    state = run.simulation.state()
-    base = state.materials == run.info.materials.index("base")
-    drag = np.full(int(base.sum()), 1e16)
-    run.simulation.set_loads(
-        sturz.Loads(
-            topology_epoch=state.header.topology_epoch,
-            ids=state.ids[base],
-            drag_n_s_per_m=drag,
-            fluid_velocity_m_per_s=np.zeros((len(drag), 3)),
-        )
-    )
-
-
 def tilt(run: Run, degrees: float) -> None:
     """Sets gravity for a slope."""
     theta = np.deg2rad(degrees)
@@ -92,12 +77,12 @@ def prepare(opts: Options, run: Run, law: str) -> None:
             positions_m=[position],
             orientations_wxyz=[orientation],
             scale=float(size),
+            frozen=True,
         )
     run.info = run.simulation.info()
     top = float(run.simulation.state().positions_m[:, 2].max())
     flowing = opts.pick(1.5, 25.64, 25.64)
     insert(run, "stone", flowing, top + 0.6, top + 1.8 + flowing / 1.4)
-    hold(run)
     tilt(run, 50.0)
 
 
@@ -131,12 +116,7 @@ def average(opts: Options, run: Run) -> dict[str, np.ndarray]:
         run.advance(0.2 * T_INERTIA)
         state, contacts, heavy = run.seen()
         states.append(state)
-        rock = state.materials == run.info.materials.index("stone")
-        masses = np.where(rock, heavy.mass_kg, heavy.volume_m3)
-        light = measures.Bodies(
-            heavy.volume_m3, masses, heavy.moments_kg_m2, heavy.radius_m, heavy.equivalent_diameter_m
-        )
-        stress = measures.layer_stress(state, contacts, light, edges, area_m2=area, domain=run.info.domain)
+        stress = measures.layer_stress(state, contacts, heavy, edges, area_m2=area, domain=run.info.domain)
         fraction = measures.solid_fraction_profile(state, run.shapes, edges, area_m2=area)
         touching = measures.coordination(state, contacts).per_particle
         layer = np.searchsorted(edges, state.positions_m[:, 2], side="right") - 1
@@ -150,7 +130,7 @@ def average(opts: Options, run: Run) -> dict[str, np.ndarray]:
         }
         for name, value in found.items():
             sums[name] = sums.get(name, 0.0) + value / frames
-    profile = measures.velocity_profile(states, masses, edges)
+    profile = measures.velocity_profile(states, heavy.mass_kg, edges)
     sums["z"] = sums["neighbours"] / np.maximum(sums["particles"], 1e-9)
     sums |= {
         "edges_m": edges,

@@ -1,8 +1,9 @@
 """K1: gravity packing of frictionless pinacoids, as Descantes 2022 (Powder Technology 401, 117295), section 3.1.
 
 Scaled (K1s): 625 pinacoids on 5 x 5 circumscribed diameters. Part `default` uses the law that conserves energy
-(generalized overlap), part `shared` the paper's eq. 3 (linear, largest overlap shared by the points). Writes rows.json,
-profiles.png (solid fraction, stress, coordination), order.png (pair correlation) and a picture of each packing.
+(generalized overlap), part `shared` the paper's eq. 3 (linear, largest overlap shared by the points), part `deposited`
+the default law on a bed of deposited spheres, as the paper prepares its own. Writes rows.json, profiles.png (solid
+fraction, stress, coordination, pair correlation) and a picture of each packing.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ SOURCE = "Descantes 2022, section 3.1"
 D_EQ = 0.648433
 T_INERTIA = 0.805254
 VOLUME = 0.142756004
+PARTS = ("default", "shared", "deposited")
 SHARED = """normal = "linear"
 sharing = "max_overlap_shared"
 """
@@ -27,11 +29,17 @@ def scene(opts: Options, part: str) -> str:
     text = (SCENES / "packing-pinacoids.toml").read_text()
     if part == "shared":
         text = text.replace("generalized_overlap = { rounding_fraction = 0.05 }\n", SHARED)
+    if part == "deposited":
+        text = text.replace('method = "random"', 'method = "deposition"').replace(
+            "[-0.55, -0.55, 0.0]", "[0.0, 0.0, 0.0]"
+        )
+        text = text.replace("[5.55, 5.55, 16.0]", "[5.0, 5.0, 60.0]")
     if opts.size == "short":
         text = text.replace("[5.0, 5.0, 0.0]", "[2.5, 2.5, 0.0]").replace("[5.55, 5.55, 16.0]", "[3.05, 3.05, 6.0]")
-        text = text.replace("count = 625", "count = 25")
+        text = text.replace("count = 625", "count = 25").replace("[5.0, 5.0, 60.0]", "[2.5, 2.5, 60.0]")
     if opts.size == "full":
         text = text.replace("[5.0, 5.0, 0.0]", "[10.0, 10.0, 0.0]").replace("[5.55, 5.55", "[10.55, 10.55")
+        text = text.replace("[5.0, 5.0, 60.0]", "[10.0, 10.0, 60.0]")
         text = text.replace("count = 625", "count = 2500").replace("3.2e-4", "2.5164e-5")
         text = text.replace("stiffness_n_per_m = 1100.8", "stiffness_n_per_m = 17612.4")
         text = text.replace("restitution = 0.5", "damping_n_s_per_m = 70.91")
@@ -157,10 +165,14 @@ def rows_of(run: Run, part: str, m: dict[str, np.ndarray]) -> list[Row]:
 
 def draw(opts: Options, rows: Rows) -> None:
     """Figures 7, 8 and 9 of the paper."""
-    parts = [part for part in ("default", "shared") if rows.has(part)]
+    parts = [part for part in PARTS if rows.has(part)]
     if not parts:
         return
-    names = {"default": "generalized overlap", "shared": "largest overlap shared (paper's law)"}
+    names = {
+        "default": "generalized overlap",
+        "shared": "largest overlap shared (paper's law)",
+        "deposited": "generalized overlap, deposited",
+    }
     with figure(opts.out / "profiles", 9.6, 6.4, nrows=2, ncols=2) as axes:
         for colour, part in zip(COLOURS, parts, strict=False):
             m = rows.arrays(part, "profiles")
@@ -207,9 +219,9 @@ def draw(opts: Options, rows: Rows) -> None:
 
 def main() -> None:
     """Command line."""
-    opts = options(__doc__ or "", "packing", ("default", "shared"))
+    opts = options(__doc__ or "", "packing", PARTS)
     rows = Rows(opts.out / "rows.json")
-    for part in ("default", "shared"):
+    for part in PARTS:
         if opts.wants(part) and not rows.has(part):
             with launched(opts, part, scene(opts, part)) as run:
                 wait(opts, run)
