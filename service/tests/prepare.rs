@@ -152,7 +152,7 @@ fn a_journal_holds_the_bed() {
     let journal = folder.path().join("journal");
     let more = ["--journal", journal.to_str().unwrap(), "--from", out.to_str().unwrap(), "--name", "bed"];
     let mut daemon = Daemon::serve_scene(scene.to_str().unwrap(), &more);
-    assert_eq!(daemon.inspect()["info"]["particles"].as_u64(), Some(60), "{}", daemon.inspect());
+    assert_eq!(daemon.inspect()["particles"].as_u64(), Some(60), "{}", daemon.inspect());
     daemon.end();
     std::fs::remove_file(&out).unwrap();
     let replayed = sturz(&["replay", journal.to_str().unwrap()]);
