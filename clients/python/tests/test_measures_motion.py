@@ -170,6 +170,7 @@ def test_mixing_from_apart_to_random() -> None:
     grid = {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [4, 4, 4]}
     apart = measures.lacey_index(x, x[:, 0] < 0.5, **grid)
     assert apart.index == pytest.approx(0.0, abs=1e-12) and apart.variance == pytest.approx(apart.segregated_variance)
+    assert apart.segregation == pytest.approx(1.0)
     values = [measures.lacey_index(x, random.random(4000) < 0.3, **grid).index for _ in range(50)]
     assert np.mean(values) == pytest.approx(1.0, abs=4 * np.std(values) / np.sqrt(50))
     even = np.arange(4000) % 2 == 0

@@ -31,6 +31,11 @@ class MixingIndex:
     cells: int
     particles_per_cell: float
 
+    @property
+    def segregation(self) -> float:
+        """Danckwerts' intensity of segregation, s^2 over p (1 - p): 1 where each cell holds one kind."""
+        return self.variance / self.segregated_variance if self.segregated_variance > 0.0 else float("nan")
+
 
 def lacey_index(
     positions_m: ArrayLike,
