@@ -122,7 +122,11 @@ fn reported(arguments: &Arguments, cases: &[Case], data: &Path, path: &Path) -> 
         println!("paper: {}", script.title);
         let run = !arguments.only_kept;
         let outcome = if run { script.run(&arguments.python, &folder, arguments.threads) } else { Ok(()) };
-        page.papers.extend(script.found(&folder)?);
+        if let Some(found) = script.found(&folder)? {
+            // what an earlier entry of the same folder showed is in it
+            page.papers.retain(|earlier| earlier.name != found.name);
+            page.papers.push(found);
+        }
         page.write()?;
         if let Err(error) = outcome {
             eprintln!("{}: {error:#}; what it left is in the report", script.name);

@@ -22,29 +22,36 @@ pub struct Script {
     pub arguments: &'static [&'static str],
 }
 
-/// All of them; a later entry of the same name is the same script with more to do.
+const fn nightly(name: &'static str, title: &'static str, arguments: &'static [&'static str]) -> Script {
+    Script { name, title, tier: Tier::Nightly, arguments }
+}
+
+const fn release(name: &'static str, title: &'static str, arguments: &'static [&'static str]) -> Script {
+    Script { name, title, tier: Tier::Release, arguments }
+}
+
+/// All of them. A later entry of the same name does more of the same script, which does not repeat what is done.
 pub const SCRIPTS: &[Script] = &[
-    Script {
-        name: "packing",
-        title: "K1s: frictionless packing of pinacoids",
-        tier: Tier::Nightly,
-        arguments: &["--only", "default"],
-    },
-    Script {
-        name: "porosity",
-        title: "G6, I16: porosity of settled beds, random close packing",
-        tier: Tier::Nightly,
-        arguments: &[],
-    },
-    Script { name: "silo", title: "I12, I13: Janssen and Beverloo", tier: Tier::Nightly, arguments: &[] },
-    Script { name: "drum", title: "G8s: flow regimes in a drum", tier: Tier::Nightly, arguments: &[] },
-    Script { name: "chute", title: "C5s: spherocylinders down a chute", tier: Tier::Nightly, arguments: &[] },
-    Script {
-        name: "packing",
-        title: "K1: frictionless packing of pinacoids, the paper's own size",
-        tier: Tier::Release,
-        arguments: &["--full"],
-    },
+    nightly("packing", "K1s: frictionless packing of pinacoids", &["--only", "deposited"]),
+    nightly(
+        "porosity",
+        "G6, I16: porosity of settled beds, random close packing",
+        &["--only", "sphere", "cube", "tetrahedron", "frictionless"],
+    ),
+    nightly("incline", "K2s: pinacoids down an incline at 36 and 39 degrees", &["--only", "default-36", "default-39"]),
+    nightly(
+        "drum",
+        "G8s: drum at 80 and 200 rpm",
+        &["--only", "sphere-200", "sphere-80", "cross_3d-200", "cross_3d-80"],
+    ),
+    nightly("chute", "C5s: spherocylinders down a chute", &["--only", "1.01-24", "2.0-28"]),
+    nightly("silo", "I12, I13: Janssen and Beverloo", &[]),
+    release("packing", "K1s under all laws", &[]),
+    release("porosity", "G6: all shapes and laws", &[]),
+    release("incline", "K2s at all angles", &[]),
+    release("drum", "G8s: all shapes", &[]),
+    release("chute", "C5s: all aspects", &[]),
+    release("packing", "K1: frictionless packing of pinacoids, the paper's own size", &["--full"]),
 ];
 
 /// A number beside its reference, as the scripts write it; null where there is none.
