@@ -46,11 +46,15 @@ pub const SCRIPTS: &[Script] = &[
     ),
     nightly("chute", "C5s: spherocylinders down a chute", &["--only", "1.01-24", "2.0-28"]),
     nightly("silo", "I12, I13: Janssen and Beverloo", &[]),
-    release("packing", "K1s under all laws", &[]),
-    release("porosity", "G6: all shapes and laws", &[]),
-    release("incline", "K2s at all angles", &[]),
-    release("drum", "G8s: all shapes", &[]),
-    release("chute", "C5s: all aspects", &[]),
+    release(
+        "packing",
+        "K1s: cloud, deposited bed, the law of the paper",
+        &["--only", "default", "shared", "deposited"],
+    ),
+    release("porosity", "G6: all shapes", &[]),
+    release("incline", "K2s at 30 to 45 degrees, under two laws", &[]),
+    release("drum", "G8s: spheres and 3D crosses at 5, 80 and 200 rpm", &[]),
+    release("chute", "C5s: the three regimes", &[]),
     release("packing", "K1: frictionless packing of pinacoids, the paper's own size", &["--full"]),
 ];
 
