@@ -166,6 +166,13 @@ impl Scene {
                 self.particles.extend(new);
             }
         }
+        let frozen = self.particles.iter().filter(|particle| particle.frozen).count();
+        if frozen > 0 {
+            let line = format!(
+                "frozen: {frozen} particles, which keep their velocity and meet neither their like nor boundaries"
+            );
+            self.add_plan_line(line);
+        }
         let mut materials: Vec<usize> = self.particles.iter().chain(inflows).map(|p| p.material as usize).collect();
         materials.sort_unstable();
         materials.dedup();
