@@ -459,6 +459,11 @@ impl Boundary {
         [q.w, q.i, q.j, q.k]
     }
 
+    /// The motion under way.
+    pub(crate) fn description(&self) -> &MotionDescription {
+        &self.motion.description
+    }
+
     /// For checkpoints.
     pub(crate) fn present_motion(&self) -> BoundaryMotion {
         BoundaryMotion {

@@ -10,6 +10,7 @@ use crate::clock::Clock;
 use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, Sums};
 use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
+use crate::fields::Average;
 use crate::gather::gather;
 use crate::happening::Happening;
 use crate::inflow::InflowRun;
@@ -50,6 +51,8 @@ pub struct Engine {
     pub(crate) local_damping: LocalDamping,
     /// Of frozen particles that move on the others, at the last evaluation, W.
     pub(crate) frozen_power: f64,
+    /// Means over time that are being taken; of fields that nobody averages there are none.
+    pub(crate) averages: Vec<Average>,
     pub(crate) warnings: WarningCounts,
     pub(crate) largest_ratio_so_far: f64,
     pub(crate) next_id: u64,
@@ -94,6 +97,7 @@ impl Engine {
         }
         engine.in_pool(Self::prepare);
         engine.ledger.initial = engine.mechanical_energy().total();
+        engine.set_averages(&scene.description().fields);
         engine
     }
 
@@ -113,6 +117,7 @@ impl Engine {
             loads: None,
             local_damping: LocalDamping::default(),
             frozen_power: 0.0,
+            averages: Vec::new(),
             warnings: WarningCounts::default(),
             largest_ratio_so_far: 0.0,
             topology_epoch: 0,
@@ -176,7 +181,11 @@ impl Engine {
         if !self.inflows.is_empty() {
             self.feed_inflows();
         }
-        let outcome = self.in_pool(Self::step_stages);
+        let outcome = self.in_pool(|engine| {
+            engine.step_stages()?;
+            engine.sample_averages();
+            Ok(())
+        });
         self.failure = outcome.as_ref().err().cloned();
         if self.stages.is_some() && outcome.is_ok() {
             self.follow_stages();

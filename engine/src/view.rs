@@ -1,12 +1,10 @@
-//! What the outside may read: snapshot, report, fields, state hash.
+//! What the outside may read: snapshot, report, state hash. Fields are in `fields`.
 
 use xxhash_rust::xxh3::Xxh3;
 
 use crate::boundary::WallSide;
 use crate::contact::SpringRecord;
 use crate::engine::Engine;
-use crate::error::InvalidInput;
-use crate::fields::{self, FieldDefinition, FieldFrame, FieldSample};
 use crate::math::Vec3;
 use crate::report::{EnergyBalance, Report};
 use crate::snapshot::{BoundaryState, Snapshot};
@@ -165,33 +163,6 @@ impl Engine {
             }
         }
         (pairs, walls)
-    }
-
-    /// Checks a field before it is defined.
-    pub fn validate_field(&self, definition: &FieldDefinition) -> Result<(), InvalidInput> {
-        definition.validate("define_field")
-    }
-
-    /// Samples a field now. The definition must be valid.
-    pub fn compute_field(&mut self, definition: &FieldDefinition) -> FieldFrame {
-        self.in_pool(|engine| {
-            let particles = &engine.particles;
-            let materials = &engine.scene.description().materials;
-            let density =
-                |row: usize| materials[particles.material[row] as usize].density_kg_per_m3.unwrap_or(f64::NAN);
-            let samples: Vec<FieldSample> = particles
-                .rows_by_id()
-                .into_iter()
-                .map(|row| row as usize)
-                .map(|row| FieldSample {
-                    position: particles.position[row],
-                    velocity: particles.velocity[row],
-                    mass: particles.mass[row],
-                    volume: particles.mass[row] / density(row),
-                })
-                .collect();
-            fields::compute(definition, &samples, engine.scene.cell(), (engine.clock.step(), engine.clock.time_s()))
-        })
     }
 
     /// Hash of everything that decides the future, in the order of ids: equal on any number of threads, whoever

@@ -3,7 +3,9 @@
 
 use proptest::prelude::*;
 use prost::Message;
-use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
+use sturz_engine::fields::{
+    AverageWindow, BodyAxis, FieldAverage, FieldDefinition, FieldKernel, FieldQuantity, Grid, GridCylinder, GridMotion,
+};
 use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleLaw};
 use sturz_engine::{FloatType, ParticleColumn};
 use sturz_engine::{InvalidInput, Snapshot};
@@ -110,24 +112,53 @@ fn motion() -> impl Strategy<Value = MotionDescription> {
     ]
 }
 
+fn grid() -> impl Strategy<Value = Grid> {
+    let cylinder = (vector(), vector(), prop::option::of(vector())).prop_map(|(point_m, axis, zero)| GridCylinder {
+        point_m,
+        axis,
+        zero,
+    });
+    (vector(), vector(), any::<[u32; 3]>(), prop::option::of(cylinder))
+        .prop_map(|(min_m, max_m, cells, cylinder)| Grid { min_m, max_m, cells, cylinder })
+}
+
 fn field() -> impl Strategy<Value = FieldDefinition> {
-    let quantity = prop_oneof![
-        Just(FieldQuantity::SolidFraction),
-        Just(FieldQuantity::Density),
-        Just(FieldQuantity::Momentum),
-        Just(FieldQuantity::Velocity),
-        Just(FieldQuantity::GranularTemperature),
+    let quantities = prop::sample::subsequence(FieldQuantity::ALL.to_vec(), 0..=FieldQuantity::ALL.len());
+    let kernel = prop::sample::select(FieldKernel::ALL.to_vec());
+    let body_axis =
+        prop::sample::select(vec![BodyAxis::Longest, BodyAxis::Shortest, BodyAxis::X, BodyAxis::Y, BodyAxis::Z]);
+    let window = prop::sample::select(vec![AverageWindow::Growing, AverageWindow::Sliding]);
+    let average = (any::<(u64, u64, u32)>(), window, number()).prop_map(
+        |((every_steps, samples_per_block, blocks), window, from_time_s)| FieldAverage {
+            every_steps,
+            samples_per_block,
+            blocks,
+            window,
+            from_time_s,
+        },
+    );
+    let motion = prop_oneof![
+        vector().prop_map(|velocity_m_per_s| GridMotion::Translation { velocity_m_per_s }),
+        ".*".prop_map(|name| GridMotion::Boundary { name }),
     ];
-    let quantities = prop::collection::vec(quantity, 0..5);
-    (".*", vector(), vector(), any::<[u32; 3]>(), quantities, number(), number()).prop_map(
-        |(name, min_m, max_m, cells, quantities, width_m, cutoff_widths)| FieldDefinition {
+    let smearing = (number(), number(), prop::collection::vec(number(), 0..4), kernel, any::<bool>(), body_axis);
+    let over_time = (prop::option::of(average), prop::option::of(motion));
+    (".*", grid(), quantities, smearing, over_time).prop_map(|(name, grid, quantities, smearing, (average, motion))| {
+        let (width_m, cutoff_widths, more_widths_m, kernel, wall_correction, body_axis) = smearing;
+        FieldDefinition {
             name,
-            grid: Grid { min_m, max_m, cells },
+            grid,
             quantities,
             width_m,
             cutoff_widths,
-        },
-    )
+            more_widths_m,
+            kernel,
+            wall_correction,
+            body_axis,
+            average,
+            motion,
+        }
+    })
 }
 
 /// Through the bytes and back.
@@ -260,13 +291,12 @@ fn errors_lead_to_the_place() {
 
 #[test]
 fn an_unknown_quantity_is_refused() {
-    let mut field = convert::field_definition_to_wire(&FieldDefinition {
-        name: "f".into(),
-        grid: Grid { min_m: [0.0; 3], max_m: [1.0; 3], cells: [1; 3] },
-        quantities: vec![FieldQuantity::Density],
-        width_m: 0.1,
-        cutoff_widths: 4.0,
-    });
+    let mut field = convert::field_definition_to_wire(&FieldDefinition::new(
+        "f",
+        Grid { min_m: [0.0; 3], max_m: [1.0; 3], cells: [1; 3], cylinder: None },
+        &[FieldQuantity::Density],
+        0.1,
+    ));
     for unknown in [0, 99, -1] {
         field.quantities = vec![1, unknown];
         assert_eq!(path(convert::field_definition_from_wire(&field)), "field.quantities[1]");

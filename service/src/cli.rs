@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Parser, Subcommand};
 
 use crate::journal::{Fsync, Keep};
-pub use recordings::{Encoding, Export, ExportPart, Play, Record, RecordTopic};
+pub use recordings::{Encoding, Export, ExportPart, Fields, Play, Record, RecordTopic};
 pub use settings::{Effective, Source, parse};
 pub use study::Study;
 pub use watching::{Inspect, Top};
@@ -69,6 +69,8 @@ pub enum Command {
     Play(Play),
     /// Write a recording, a running daemon or a run as VTK files
     Export(Export),
+    /// Compute coarse-grained fields from the states and contacts of a recording
+    Fields(Fields),
     /// Print the JSON schema of scene files
     Schema,
 }

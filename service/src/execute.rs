@@ -251,7 +251,7 @@ impl Runner<'_> {
     fn define_field(&mut self, definition: sturz_engine::fields::FieldDefinition) -> Result<Wire, v1::Error> {
         self.engine.validate_field(&definition).map_err(|mut input| {
             if let Some(rest) = input.path.strip_prefix("define_field") {
-                input.path = format!("field{rest}");
+                input.path = format!("field{rest}").replace("motion.name", "motion.boundary");
             }
             invalid(input)
         })?;
@@ -262,15 +262,23 @@ impl Runner<'_> {
             return Err(error(v1::ErrorCode::TooLarge, "field", text));
         }
         self.outbox.define_field(definition);
+        self.follow_averages();
         self.revision += 1;
         self.announce_named(v1::EventKind::Field, v1::Severity::Info, "a field was defined", &name);
         Ok(Wire::Applied(v1::Applied {}))
+    }
+
+    /// Means over time are taken of the fields that are defined, by the engine, whose checkpoints hold them: those that are
+    /// under way go on.
+    pub(crate) fn follow_averages(&mut self) {
+        self.engine.set_averages(self.outbox.fields.iter().map(|field| &field.definition));
     }
 
     fn drop_field(&mut self, name: &str) -> Result<Wire, v1::Error> {
         if !self.outbox.drop_field(name) {
             return Err(error(v1::ErrorCode::NotFound, "name", format!("no field {name:?} is defined")));
         }
+        self.follow_averages();
         self.revision += 1;
         self.announce_named(v1::EventKind::Field, v1::Severity::Info, "a field was dropped", name);
         Ok(Wire::Applied(v1::Applied {}))

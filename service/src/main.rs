@@ -23,6 +23,7 @@ fn main() -> ExitCode {
         Command::Record(options) => commands::record(&options),
         Command::Play(options) => commands::play(options),
         Command::Export(options) => commands::export(&options),
+        Command::Fields(options) => commands::fields(&options),
         Command::Schema => commands::schema(),
     };
     match done {

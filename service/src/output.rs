@@ -71,15 +71,6 @@ pub enum StreamColumns {
     Field(String, Vec<FieldQuantity>),
 }
 
-/// Every quantity that a field may have.
-pub const QUANTITIES: [FieldQuantity; 5] = [
-    FieldQuantity::SolidFraction,
-    FieldQuantity::Density,
-    FieldQuantity::Momentum,
-    FieldQuantity::Velocity,
-    FieldQuantity::GranularTemperature,
-];
-
 impl OutputOrder {
     /// Checks what a client asks for.
     pub fn read(request: &v1::DefineOutputRequest) -> Result<Self, v1::Error> {
@@ -125,10 +116,10 @@ fn stream_columns(wire: &v1::OutputDefinition) -> Result<StreamColumns, v1::Erro
         "report" => Ok(StreamColumns::Report),
         other => match other.strip_prefix("field/") {
             Some(name) => {
-                let known = || QUANTITIES.map(|quantity| quantity_name(quantity).0).to_vec();
+                let known = || FieldQuantity::ALL.map(|quantity| quantity_name(quantity).0).to_vec();
                 let mut chosen = Vec::new();
                 for (at, column) in wire.columns.iter().enumerate().filter(|(_, column)| *column != "all") {
-                    let found = QUANTITIES.into_iter().find(|&quantity| quantity_name(quantity).0 == column);
+                    let found = FieldQuantity::ALL.into_iter().find(|&quantity| quantity_name(quantity).0 == column);
                     chosen.push(found.ok_or_else(|| no_column(at, known()))?);
                 }
                 let all = wire.columns.iter().any(|column| column == "all");

@@ -3,6 +3,7 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use prost::Message;
+use sturz_engine::fields::FieldQuantity;
 use sturz_engine::scene::{Scene, SceneDescription};
 use sturz_engine::{ContactColumn, FloatType, ParticleColumn};
 use sturz_protocol::SCHEMA_VERSION;
@@ -12,7 +13,6 @@ use sturz_protocol::v1::{self, outcome::Result as Wire};
 
 use crate::config::Limits;
 use crate::mailbox::{Answer, ReportSample, Status};
-use crate::output::QUANTITIES;
 use crate::ticket::Moment;
 
 /// What of `info`, `features`, `plan` and `shapes` never changes, and who signs every header.
@@ -159,7 +159,7 @@ fn features(limits: &Limits) -> v1::Features {
         commands: Verb::ALL.map(|verb| verb.name().to_string()).to_vec(),
         columns: ParticleColumn::ALL.iter().map(|column| column.name().to_string()).collect(),
         contact_columns: ContactColumn::ALL.iter().map(|column| column.name().to_string()).collect(),
-        field_quantities: QUANTITIES.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
+        field_quantities: FieldQuantity::ALL.map(|quantity| convert::quantity_name(quantity).0.to_string()).to_vec(),
         capabilities: CAPABILITIES.map(String::from).to_vec(),
         limits: Some(limits.to_wire()),
         scene_schema_json: scene_schema(),

@@ -67,6 +67,7 @@ impl Runner<'_> {
         let bytes = self.checkpoints.bytes(token)?;
         let checkpoint = self.checkpoints.described(token, &bytes).map_err(|failure| unusable(token, &failure))?;
         self.engine.restore(&bytes).map_err(|failure| unusable(token, &failure))?;
+        self.follow_averages();
         if self.engine.clock().is_in_window() {
             // Whose window it was is over.
             self.engine.end_window();

@@ -122,6 +122,7 @@ impl<'e> Runner<'e> {
         description.fields.iter().cloned().for_each(|field| runner.outbox.define_field(field));
         let now_s = runner.moment().time_s;
         runner.stop_time_s = description.stop.time_s.filter(|&stop| now_s == 0.0 || stop > now_s);
+        runner.follow_averages();
         runner
     }
 }

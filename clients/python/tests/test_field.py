@@ -1,5 +1,7 @@
 """Grids, definitions and sampled fields as arrays, and means over frames."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -42,25 +44,53 @@ def test_a_grid_needs_three_numbers_everywhere() -> None:
         grid_from((0, 0, 0), (1, 1), (1, 1, 1))
 
 
-@given(
-    low=st.tuples(*[COORDINATES] * 3),
-    high=st.tuples(*[COORDINATES] * 3),
-    cells=st.tuples(*[st.integers(0, 2**32 - 1)] * 3),
-    quantities=st.lists(st.sampled_from(sorted(QUANTITIES)), unique=True),
+VECTORS = st.tuples(*[COORDINATES] * 3)
+CYLINDERS = st.builds(sturz.GridCylinder, VECTORS, VECTORS, st.none() | VECTORS)
+COUNTS = st.integers(0, 2**32 - 1)
+AVERAGES = st.builds(
+    sturz.FieldAverage, COUNTS, COUNTS, COUNTS, st.sampled_from(["growing", "sliding"]), st.floats(0.0, 1e3)
+)
+DEFINITIONS = st.builds(
+    sturz.FieldDefinition,
+    name=st.just("f"),
+    grid=st.builds(sturz.Grid, VECTORS, VECTORS, st.tuples(COUNTS, COUNTS, COUNTS), st.none() | CYLINDERS),
+    quantities=st.lists(st.sampled_from(sorted(QUANTITIES)), unique=True).map(tuple),
     width_m=st.floats(1e-9, 1e3),
     cutoff_widths=st.none() | st.floats(0.1, 10.0),
+    kernel=st.sampled_from(["gaussian", "lucy", "heaviside"]),
+    more_widths_m=st.lists(st.floats(1e-9, 1e3), max_size=3).map(tuple),
+    wall_correction=st.booleans(),
+    body_axis=st.sampled_from(["longest", "shortest", "x", "y", "z"]),
+    average=st.none() | AVERAGES,
+    moves_at_m_per_s=st.none() | VECTORS,
 )
-def test_definitions_come_back_from_the_wire(
-    low: tuple[float, float, float],
-    high: tuple[float, float, float],
-    cells: tuple[int, int, int],
-    quantities: list[str],
-    width_m: float,
-    cutoff_widths: float | None,
-) -> None:
-    definition = sturz.FieldDefinition("f", sturz.Grid(low, high, cells), tuple(quantities), width_m, cutoff_widths)
-    sent = pb.FieldDefinition.FromString(definition.to_message().SerializeToString())
-    assert sturz.FieldDefinition.from_message(sent) == definition
+
+
+@given(definition=DEFINITIONS)
+def test_definitions_come_back_from_the_wire(definition: sturz.FieldDefinition) -> None:
+    for one in (definition, replace(definition, moves_at_m_per_s=None, moves_with="drum")):
+        sent = pb.FieldDefinition.FromString(one.to_message().SerializeToString())
+        assert sturz.FieldDefinition.from_message(sent) == one
+
+
+def test_a_grid_moves_in_one_way_and_names_are_known() -> None:
+    both = sturz.FieldDefinition("f", GRID, ("density",), 0.1, moves_at_m_per_s=(1.0, 0.0, 0.0), moves_with="drum")
+    with pytest.raises(ValueError, match="exclude each other"):
+        both.to_message()
+    for name in ("kernel", "body_axis"):
+        with pytest.raises(ValueError, match="colour"):
+            replace(both, moves_with=None, **{name: "colour"}).to_message()
+
+
+def test_cells_of_a_cylinder_have_the_volume_of_their_part_of_a_ring() -> None:
+    cylinder = sturz.GridCylinder((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    grid = sturz.Grid((1.0, 0.0, 0.0), (3.0, 2 * np.pi, 2.0), (2, 4, 1), cylinder)
+    volumes = grid.cell_volumes_m3
+    assert volumes.shape == (2, 4, 1)
+    np.testing.assert_allclose(volumes[:, 0, 0], [np.pi * 3 * 2 / 4, np.pi * 5 * 2 / 4])
+    with pytest.raises(ValueError, match="cell_volumes_m3"):
+        _ = grid.cell_volume_m3
+    np.testing.assert_allclose(GRID.cell_volumes_m3, 2.0)
 
 
 def test_an_unknown_quantity_is_refused_with_what_there_is() -> None:
@@ -80,6 +110,36 @@ def test_arrays_have_the_shape_of_the_grid_x_slowest() -> None:
     assert (field.step, field.total_mass_kg) == (3, 7.0)
     with pytest.raises(sturz.ColumnMissing, match="'drum' samples density, velocity, not solid_fraction"):
         _ = field.solid_fraction
+
+
+def test_tensors_errors_and_widths_are_at_hand() -> None:
+    message = frame(density=np.full((2, 1, 3), 2.0), wall_force_density=np.ones((2, 1, 3, 3)))
+    stress = np.arange(54.0).reshape(6, 9)
+    message.columns.append(columns.encode("stress", stress, components=9))
+    message.standard_errors.append(columns.encode("stress", stress / 100, components=9))
+    wide = message.more_widths.add(width_m=0.2)
+    wide.columns.append(columns.encode("stress", 2 * stress, components=9))
+    message.samples, message.blocks, message.from_time_s = 40, 4, 1.5
+    field = sturz.Field.from_message(pb.FieldFrame.FromString(message.SerializeToString()))
+    assert field.stress_pa.shape == (2, 1, 3, 3, 3)
+    np.testing.assert_array_equal(field.stress_pa[0, 0, 1], np.arange(9.0, 18.0).reshape(3, 3))
+    np.testing.assert_allclose(field.standard_error("stress"), field.columns["stress"] / 100)
+    assert (field.widths_m, field.samples, field.blocks, field.from_time_s) == ((0.1, 0.2), 40, 4, 1.5)
+    np.testing.assert_array_equal(field.at_width(0.2).stress_pa, 2 * field.stress_pa)
+    with pytest.raises(ValueError, match="has the widths"):
+        field.at_width(0.3)
+    with pytest.raises(sturz.ColumnMissing, match="no standard error"):
+        field.at_width(0.2).standard_error("stress")
+    # ones over 5 - 2 = 3 m
+    np.testing.assert_allclose(field.wall_traction_pa(across=2), np.full((2, 1, 1, 3), 3.0))
+    np.testing.assert_allclose(field.integral("stress"), 2.0 * stress.sum(axis=0))
+
+
+def test_means_over_frames_are_refused_where_they_would_be_wrong() -> None:
+    with pytest.raises(ValueError, match=r"means of \['kinetic_stress'\] need the daemon's own sums"):
+        sturz.FieldMean().add(
+            sturz.Field.from_message(frame(density=np.ones((2, 1, 3)), kinetic_stress=np.ones((2, 1, 3))))
+        )
 
 
 def test_a_field_of_another_size_than_its_grid_is_refused() -> None:

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         cells: [4, 1, 4],
         quantities: vec![FieldQuantity::SolidFraction, FieldQuantity::Velocity],
         width_m: half / 4.0,
-        cutoff_widths: None,
+        ..Default::default()
     })?;
     for _ in 0..5 {
         let advanced = simulation.advance(Window::new(0.01).with_fields(["middle"]))?;

@@ -7,12 +7,12 @@ use crate::error::ClientError;
 use crate::request::vec3;
 use crate::state::read_named;
 
-/// A field that the daemon samples when somebody asks or subscribes.
-#[derive(Clone, Debug, PartialEq)]
+/// A field that the daemon samples when somebody asks or subscribes, or of which it takes a mean over time.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldDefinition {
     /// Letters, digits, `_` and `-`.
     pub name: String,
-    /// Lower corner of the grid, m.
+    /// Lower corner of the grid, m; with `cylinder` radius (m), angle (rad), height (m).
     pub min_m: [f64; 3],
     /// Upper corner, m.
     pub max_m: [f64; 3],
@@ -20,8 +20,22 @@ pub struct FieldDefinition {
     pub cells: [u32; 3],
     /// At least one, each once.
     pub quantities: Vec<v1::FieldQuantity>,
-    /// Coarse-graining width w of the kernel exp(-R^2 / (2 w^2)), m.
+    /// Makes the grid cylindrical, and the axes of vectors the local ones.
+    pub cylinder: Option<v1::GridCylinder>,
+    /// Coarse-graining width w of the kernel, m.
     pub width_m: f64,
+    /// Further widths in the same pass, m.
+    pub more_widths_m: Vec<f64>,
+    /// Gaussian when unspecified.
+    pub kernel: v1::FieldKernel,
+    /// Gives what plane walls cut off a kernel back to its part in front of them.
+    pub wall_correction: bool,
+    /// Whose orientation is sampled; the longest when unspecified.
+    pub body_axis: v1::BodyAxis,
+    /// Mean over time; the state of now when `None`.
+    pub average: Option<v1::FieldAverage>,
+    /// What the grid moves with.
+    pub motion: Option<v1::GridMotion>,
     /// Support of the kernel over its width; the daemon's default (4) when `None`.
     pub cutoff_widths: Option<f64>,
 }
@@ -32,10 +46,16 @@ impl From<FieldDefinition> for v1::FieldDefinition {
         let (min_m, max_m) = (Some(vec3(definition.min_m)), Some(vec3(definition.max_m)));
         Self {
             name: definition.name,
-            grid: Some(v1::Grid { min_m, max_m, cells_x, cells_y, cells_z }),
+            grid: Some(v1::Grid { min_m, max_m, cells_x, cells_y, cells_z, cylinder: definition.cylinder }),
             quantities: definition.quantities.into_iter().map(Into::into).collect(),
             width_m: definition.width_m,
             cutoff_widths: definition.cutoff_widths,
+            kernel: definition.kernel.into(),
+            more_widths_m: definition.more_widths_m,
+            wall_correction: definition.wall_correction,
+            body_axis: definition.body_axis.into(),
+            average: definition.average,
+            motion: definition.motion,
         }
     }
 }
@@ -73,7 +93,7 @@ impl Field {
         [grid.cells_x as usize, grid.cells_y as usize, grid.cells_z as usize]
     }
 
-    /// Centre of each cell, m.
+    /// Centre of each cell, m; of a cylindrical grid radius (m), angle (rad), height (m).
     pub fn centres_m(&self) -> Vec<[f64; 3]> {
         let grid = self.frame.grid.unwrap_or_default();
         let (min, max) = (grid.min_m.unwrap_or_default(), grid.max_m.unwrap_or_default());
@@ -94,13 +114,38 @@ impl Field {
         self.rows::<1>(quantity).map(Vec::into_flattened)
     }
 
-    /// Of a quantity of three components: `momentum` or `velocity`.
+    /// Of a quantity of three components, such as `momentum` or `velocity`.
     pub fn vectors(&self, quantity: &str) -> Result<Vec<[f64; 3]>, ClientError> {
         self.rows::<3>(quantity)
     }
 
-    fn rows<const C: usize>(&self, quantity: &str) -> Result<Vec<[f64; C]>, ClientError> {
-        let rows = read_named(&self.frame.columns, quantity, read_floats::<C>)?;
+    /// Of a quantity of nine components, such as `contact_stress`: row-major.
+    pub fn tensors(&self, quantity: &str) -> Result<Vec<[f64; 9]>, ClientError> {
+        self.rows::<9>(quantity)
+    }
+
+    /// Of a quantity of any `C` components, such as the 8 of `coordination`.
+    pub fn rows<const C: usize>(&self, quantity: &str) -> Result<Vec<[f64; C]>, ClientError> {
+        self.read(&self.frame.columns, quantity)
+    }
+
+    /// Standard error of the mean over time, as [`Field::rows`]; an error where there are fewer than two blocks.
+    pub fn standard_errors<const C: usize>(&self, quantity: &str) -> Result<Vec<[f64; C]>, ClientError> {
+        self.read(&self.frame.standard_errors, quantity)
+    }
+
+    /// The same field smeared with another of its widths: the first is 0.
+    pub fn at_width(&self, index: usize) -> Option<Self> {
+        let Some(index) = index.checked_sub(1) else { return Some(self.clone()) };
+        let width = self.frame.more_widths.get(index)?.clone();
+        let mut frame = self.frame.clone();
+        frame.more_widths.clear();
+        (frame.width_m, frame.columns, frame.standard_errors) = (width.width_m, width.columns, width.standard_errors);
+        Some(Self { frame })
+    }
+
+    fn read<const C: usize>(&self, columns: &[v1::Column], quantity: &str) -> Result<Vec<[f64; C]>, ClientError> {
+        let rows = read_named(columns, quantity, read_floats::<C>)?;
         let needed = self.cells().iter().product();
         if rows.len() == needed {
             Ok(rows)
@@ -125,11 +170,21 @@ mod tests {
             cells: [2, 1, 2],
             quantities: vec![v1::FieldQuantity::Density],
             width_m: 0.1,
-            cutoff_widths: None,
+            ..Default::default()
         };
         let definition = v1::FieldDefinition::from(definition);
         let columns = vec![flat("density", "kg/m3", 1, &[1.0, 2.0, 3.0, 4.0]), flat("velocity", "m/s", 3, &[0.0; 9])];
-        let field = Field::new(v1::FieldFrame { grid: definition.grid, columns, ..Default::default() });
+        let wide = v1::FieldWidth {
+            width_m: 0.3,
+            columns: vec![flat("stress", "Pa", 9, &[1.5; 36])],
+            standard_errors: vec![flat("stress", "Pa", 9, &[0.5; 36])],
+        };
+        let grid = definition.grid;
+        let field = Field::new(v1::FieldFrame { grid, columns, more_widths: vec![wide], ..Default::default() });
+        let wider = field.at_width(1).unwrap();
+        assert_eq!((wider.frame().width_m, wider.tensors("stress").unwrap()), (0.3, vec![[1.5; 9]; 4]));
+        assert_eq!(wider.standard_errors::<9>("stress").unwrap(), [[0.5; 9]; 4]);
+        assert!(field.standard_errors::<1>("density").is_err() && field.at_width(2).is_none());
         assert_eq!(field.centres_m(), [[0.5, 0.5, 1.5], [0.5, 0.5, 2.5], [1.5, 0.5, 1.5], [1.5, 0.5, 2.5]]);
         assert_eq!(field.scalars("density").unwrap(), [1.0, 2.0, 3.0, 4.0]);
         assert!(matches!(field.vectors("velocity"), Err(ClientError::ColumnRows { rows: 3, needed: 4, .. })));

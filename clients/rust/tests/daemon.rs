@@ -147,7 +147,7 @@ fn a_field_holds_the_mass_of_its_particles() {
         cells: [40; 3],
         quantities: vec![FieldQuantity::Density, FieldQuantity::Velocity],
         width_m: 1.5e-3,
-        cutoff_widths: None,
+        ..Default::default()
     };
     simulation.define_field(definition).unwrap();
     let field = simulation.field("box").unwrap();

@@ -216,10 +216,17 @@ fn field(name: &str) -> v1::FieldDefinition {
     let corner = |x| Some(v1::Vec3 { x, y: x, z: x });
     v1::FieldDefinition {
         name: name.into(),
-        grid: Some(v1::Grid { min_m: corner(-0.01), max_m: corner(0.01), cells_x: 2, cells_y: 2, cells_z: 2 }),
+        grid: Some(v1::Grid {
+            min_m: corner(-0.01),
+            max_m: corner(0.01),
+            cells_x: 2,
+            cells_y: 2,
+            cells_z: 2,
+            cylinder: None,
+        }),
         quantities: vec![v1::FieldQuantity::Density.into()],
         width_m: 4e-3,
-        cutoff_widths: None,
+        ..Default::default()
     }
 }
 

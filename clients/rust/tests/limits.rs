@@ -51,7 +51,7 @@ fn each_limit_names_its_setting() {
             cells,
             quantities: vec![v1::FieldQuantity::SolidFraction],
             width_m: 0.01,
-            cutoff_widths: None,
+            ..Default::default()
         })
     };
     meets("field_cells", field("a", [3, 3, 1]));

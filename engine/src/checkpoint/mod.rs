@@ -1,7 +1,8 @@
 //! Saving a run and going on from there, bitwise.
 //!
 //! A checkpoint is a string of bytes with all that decides the future of a run, apart from its scene: particles, ids,
-//! epoch, clock, springs, forces, loads, boundaries and their motions, gravity, energy balance and counters. Taking one does not
+//! epoch, clock, springs, forces, loads, boundaries and their motions, gravity, energy balance, counters, and the means
+//! over time that are being taken. Taking one does not
 //! touch the engine, and an engine of the same scene that restores it has the state hash of the saved one, then and at
 //! every later step, on any number of threads. (The energies of the report are sums in the order of rows, which is
 //! another one after a restore, as after any rebuild of the neighbour list: they agree to rounding.)
@@ -39,6 +40,7 @@ use layout::Layout;
 use state::State;
 
 use crate::engine::Engine;
+use crate::error::InvalidInput;
 
 const SUMMARY: Tag = *b"SUMM";
 const CLOCK: Tag = *b"CLOK";
@@ -54,6 +56,8 @@ const FROZEN: Tag = *b"FROZ";
 const COURSE: Tag = *b"COUR";
 /// Only where other scenes are to start with it.
 const SCENE: Tag = *b"SCNE";
+/// Only where means are being taken.
+const AVERAGES: Tag = *b"AVRG";
 
 /// What a checkpoint says of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,6 +103,7 @@ fn read_state(sections: &mut Sections<'_>) -> Result<State, CheckpointError> {
         loads: sections.section(LOADS)?,
         frozen: sections.optional(FROZEN)?,
         course: sections.optional(COURSE)?,
+        averages: sections.optional(AVERAGES)?.unwrap_or_default(),
     })
 }
 
@@ -139,6 +144,9 @@ impl Engine {
         if let Some(course) = &state.course {
             writer.section(COURSE, course);
         }
+        if !state.averages.is_empty() {
+            writer.section(AVERAGES, &state.averages);
+        }
         if let Some(scene) = &scene {
             writer.section(SCENE, scene);
         }
@@ -154,11 +162,21 @@ impl Engine {
         if !differing.is_empty() {
             return Err(CheckpointError::OtherScene { differing });
         }
-        let state = read_state(&mut sections)?;
+        let mut state = read_state(&mut sections)?;
         let _: Option<WrittenScene> = sections.optional(SCENE)?;
         sections.end()?;
         state.check(&self.written)?;
+        let averages = std::mem::take(&mut state.averages).into_iter().enumerate();
+        let averages = averages
+            .map(|(k, saved)| {
+                let path = format!("averages[{k}]");
+                let average = saved.restored(&path)?;
+                average.definition().check_against(&self.written, &path)?;
+                Ok(average)
+            })
+            .collect::<Result<_, InvalidInput>>()?;
         let mut restored = self.blank_twin();
+        restored.averages = averages;
         let all_found = restored.in_pool(|engine| engine.put(state));
         let (found, wanted) = (restored.state_hash(), summary.state_hash);
         if found != wanted || !all_found {
@@ -174,7 +192,8 @@ impl Engine {
 
     /// Puts a checked state into an engine without particles; whether all that touches has found its place.
     fn put(&mut self, state: State) -> bool {
-        let State { clock, totals, boundaries, particles, springs, touching, loads, frozen, course } = state;
+        let State { clock, totals, boundaries, particles, springs, touching, loads, frozen, course, averages: _ } =
+            state;
         self.clock = clock;
         if let Some(course) = course {
             (self.stages, self.inflows) = (course.stages, course.inflows);

@@ -13,6 +13,7 @@ use crate::contact::{SavedSlot, SavedSphere, SpringRecord, Sums, Wrench};
 use crate::energy::Ledger;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
+use crate::fields::{Average, SavedAverage};
 use crate::inflow::InflowRun;
 use crate::integrate::LocalDamping;
 use crate::loads::Loads;
@@ -39,6 +40,8 @@ pub(super) struct State {
     pub frozen: Option<Frozen>,
     /// `None` where the scene has neither stages nor inflows.
     pub course: Option<Course>,
+    /// Means over time that are being taken.
+    pub averages: Vec<SavedAverage>,
 }
 
 /// What the scene has done of its own accord.
@@ -193,6 +196,7 @@ impl State {
             loads: engine.loads.clone(),
             frozen: Frozen::of(engine),
             course: Course::of(engine),
+            averages: engine.averages.iter().map(Average::saved).collect(),
         }
     }
 

@@ -469,7 +469,10 @@ fn check_numbers(description: &SceneDescription, problems: &mut Problems) {
         problems.in_range("stop.time_s", time, "finite and at least 0", time >= 0.0);
     }
     for (k, field) in description.fields.iter().enumerate() {
-        problems.keep(field.validate(&format!("field[{k}]")));
+        let path = format!("field[{k}]");
+        problems.keep(field.validate(&path));
+        let names: Vec<&str> = description.boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
+        problems.keep(field.check_names(&names, &path));
     }
 }
 

@@ -178,6 +178,11 @@ impl Shape {
         self.given_from_body
     }
 
+    /// Whether a point of the body frame lies in any of the parts.
+    pub fn contains(&self, x: &Vec3) -> bool {
+        self.parts.iter().any(|part| union::depth_inside(part, x) >= 0.0)
+    }
+
     /// A triangulated surface for drawing, in the body frame.
     pub fn surface(&self) -> SurfaceMesh {
         SurfaceMesh::of_parts(&self.parts)

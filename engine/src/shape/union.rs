@@ -136,7 +136,7 @@ fn depth_in_core(solid: &Polyhedron, x: &Vec3) -> f64 {
 }
 
 /// Distance to the surface when positive; when negative, at most the distance to the part with a minus sign.
-fn depth_inside(part: &Part, x: &Vec3) -> f64 {
+pub(super) fn depth_inside(part: &Part, x: &Vec3) -> f64 {
     match &part.geometry {
         PartGeometry::Sphere { center, radius } => radius - (x - center).norm(),
         PartGeometry::Spherocylinder { ends, radius } => {

@@ -1,7 +1,6 @@
 //! Requests to and from the engine's commands.
 
 use sturz_engine::InvalidInput;
-use sturz_engine::fields::{FieldDefinition, FieldQuantity, Grid};
 use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, ScaleLaw};
 
 use super::{finite, need, needed_vector, optional_vector, vec3};
@@ -9,7 +8,6 @@ use crate::columns::{self, Number};
 use crate::v1;
 
 const DEFAULT_ATTEMPTS: u32 = 2000;
-const DEFAULT_CUTOFF_WIDTHS: f64 = 4.0;
 
 /// The body of `insert`.
 pub fn insertion_from_wire(request: &v1::InsertRequest) -> Result<InsertionDescription, InvalidInput> {
@@ -353,68 +351,5 @@ pub fn advance_start(request: &v1::AdvanceRequest) -> Result<Start, InvalidInput
     match need(&request.from, "from_time_s")? {
         From::FromTimeS(time) => Ok(Start::Time(finite(*time, "from_time_s")?)),
         From::FromStep(step) => Ok(Start::Step(*step)),
-    }
-}
-
-/// The definition in `define_field`.
-pub fn field_definition_from_wire(field: &v1::FieldDefinition) -> Result<FieldDefinition, InvalidInput> {
-    let grid = need(&field.grid, "field.grid")?;
-    let quantities = field.quantities.iter().enumerate().map(|(at, &quantity)| {
-        quantity_from_wire(quantity).ok_or_else(|| {
-            InvalidInput::new(format!("field.quantities[{at}]"), format!("is {quantity}: no such quantity"))
-        })
-    });
-    Ok(FieldDefinition {
-        name: field.name.clone(),
-        grid: Grid {
-            min_m: needed_vector(&grid.min_m, "field.grid.min_m")?,
-            max_m: needed_vector(&grid.max_m, "field.grid.max_m")?,
-            cells: [grid.cells_x, grid.cells_y, grid.cells_z],
-        },
-        quantities: quantities.collect::<Result<_, _>>()?,
-        width_m: finite(field.width_m, "field.width_m")?,
-        cutoff_widths: finite(field.cutoff_widths.unwrap_or(DEFAULT_CUTOFF_WIDTHS), "field.cutoff_widths")?,
-    })
-}
-
-/// The same definition for the wire.
-pub fn field_definition_to_wire(field: &FieldDefinition) -> v1::FieldDefinition {
-    v1::FieldDefinition {
-        name: field.name.clone(),
-        grid: Some(grid_to_wire(&field.grid)),
-        quantities: field.quantities.iter().map(|&quantity| quantity_to_wire(quantity).into()).collect(),
-        width_m: field.width_m,
-        cutoff_widths: Some(field.cutoff_widths),
-    }
-}
-
-pub(super) fn grid_to_wire(grid: &Grid) -> v1::Grid {
-    v1::Grid {
-        min_m: Some(vec3(grid.min_m)),
-        max_m: Some(vec3(grid.max_m)),
-        cells_x: grid.cells[0],
-        cells_y: grid.cells[1],
-        cells_z: grid.cells[2],
-    }
-}
-
-fn quantity_from_wire(quantity: i32) -> Option<FieldQuantity> {
-    match v1::FieldQuantity::try_from(quantity).ok()? {
-        v1::FieldQuantity::Unspecified => None,
-        v1::FieldQuantity::SolidFraction => Some(FieldQuantity::SolidFraction),
-        v1::FieldQuantity::Density => Some(FieldQuantity::Density),
-        v1::FieldQuantity::Momentum => Some(FieldQuantity::Momentum),
-        v1::FieldQuantity::Velocity => Some(FieldQuantity::Velocity),
-        v1::FieldQuantity::GranularTemperature => Some(FieldQuantity::GranularTemperature),
-    }
-}
-
-fn quantity_to_wire(quantity: FieldQuantity) -> v1::FieldQuantity {
-    match quantity {
-        FieldQuantity::SolidFraction => v1::FieldQuantity::SolidFraction,
-        FieldQuantity::Density => v1::FieldQuantity::Density,
-        FieldQuantity::Momentum => v1::FieldQuantity::Momentum,
-        FieldQuantity::Velocity => v1::FieldQuantity::Velocity,
-        FieldQuantity::GranularTemperature => v1::FieldQuantity::GranularTemperature,
     }
 }

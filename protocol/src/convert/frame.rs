@@ -1,9 +1,7 @@
-//! State and fields for the wire.
+//! The state for the wire.
 
-use sturz_engine::fields::{FieldColumn, FieldFrame, FieldQuantity};
 use sturz_engine::{BoundaryState, FloatType, ParticleColumn, Snapshot};
 
-use super::command::grid_to_wire;
 use super::vec3;
 use crate::columns;
 use crate::v1;
@@ -26,7 +24,7 @@ pub fn float_to_wire(float: FloatType) -> v1::DataType {
 }
 
 /// Floats of `components` per row.
-fn flat_floats(float: FloatType, name: &str, unit: &str, components: usize, numbers: &[f64]) -> v1::Column {
+pub(super) fn flat_floats(float: FloatType, name: &str, unit: &str, components: usize, numbers: &[f64]) -> v1::Column {
     match float {
         FloatType::F64 => columns::flat(name, unit, components, numbers),
         FloatType::F32 => {
@@ -95,42 +93,4 @@ fn boundary_state(boundary: &BoundaryState) -> v1::BoundaryState {
 
 fn quaternion([w, x, y, z]: [f64; 4]) -> v1::Quaternion {
     v1::Quaternion { w, x, y, z }
-}
-
-/// Name of a quantity's column, and its unit.
-pub fn quantity_name(quantity: FieldQuantity) -> (&'static str, &'static str) {
-    match quantity {
-        FieldQuantity::SolidFraction => ("solid_fraction", ""),
-        FieldQuantity::Density => ("density", "kg/m3"),
-        FieldQuantity::Momentum => ("momentum", "kg/(m2 s)"),
-        FieldQuantity::Velocity => ("velocity", "m/s"),
-        FieldQuantity::GranularTemperature => ("granular_temperature", "m2/s2"),
-    }
-}
-
-/// Chosen columns of a field for the wire; all when none is chosen. The header's `step` and `sim_time_s` are overwritten.
-pub fn field_to_wire(
-    field: &FieldFrame,
-    chosen: &[FieldQuantity],
-    float: FloatType,
-    mut header: v1::Header,
-) -> v1::FieldFrame {
-    header.step = field.step;
-    header.sim_time_s = field.time_s;
-    let column = |column: &FieldColumn| {
-        let (name, unit) = quantity_name(column.quantity);
-        flat_floats(float, name, unit, column.components, &column.data)
-    };
-    let is_chosen = |column: &&FieldColumn| chosen.is_empty() || chosen.contains(&column.quantity);
-    v1::FieldFrame {
-        header: Some(header),
-        name: field.name.clone(),
-        grid: Some(grid_to_wire(&field.grid)),
-        kernel: "truncated_gaussian".into(),
-        width_m: field.width_m,
-        cutoff_widths: field.cutoff_widths,
-        columns: field.columns.iter().filter(is_chosen).map(column).collect(),
-        total_mass_kg: field.total_mass_kg,
-        total_momentum_kg_m_per_s: Some(vec3(field.total_momentum_kg_m_per_s)),
-    }
 }

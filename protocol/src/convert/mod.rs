@@ -6,20 +6,23 @@
 
 mod command;
 mod contacts;
+mod field;
 mod frame;
 mod loads;
 mod output;
+mod recorded;
 mod shapes;
 mod status;
 
 pub use command::{
-    Start, advance_start, field_definition_from_wire, field_definition_to_wire, gravity_from_wire, insertion_from_wire,
-    insertion_to_wire, motion_from_wire, motion_to_wire,
+    Start, advance_start, gravity_from_wire, insertion_from_wire, insertion_to_wire, motion_from_wire, motion_to_wire,
 };
 pub use contacts::{NO_BOUNDARY, NO_PARTICLE, contacts_to_wire};
-pub use frame::{field_to_wire, float_from_wire, float_to_wire, frame_to_wire, quantity_name};
+pub use field::{field_definition_from_wire, field_definition_to_wire, field_to_wire, quantity_name};
+pub use frame::{float_from_wire, float_to_wire, frame_to_wire};
 pub use loads::loads_from_wire;
 pub use output::{pace_from_wire, pace_to_wire};
+pub use recorded::{contacts_from_wire, snapshot_from_wire};
 pub use shapes::shape_to_wire;
 pub use status::{boundary_to_wire, domain_to_wire, report_to_wire};
 

@@ -1,4 +1,4 @@
-//! `sturz record`, `sturz play`, `sturz export`.
+//! `sturz record`, `sturz play`, `sturz export`, `sturz fields`.
 
 use std::path::PathBuf;
 
@@ -184,4 +184,48 @@ pub struct Export {
     /// Print what was written as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// `sturz fields`
+#[derive(Debug, Args)]
+pub struct Fields {
+    /// The recording
+    #[arg(value_name = "RECORDING")]
+    pub recording: PathBuf,
+    /// CSV file to write, a row per cell, width and time; standard output when absent
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Grid as MIN:MAX:CELLS, such as 0,0,0:0.1,0.1,0.2:1,1,40; one cell along an axis averages over it
+    #[arg(long, value_name = "GRID", allow_hyphen_values = true, required_unless_present_any = ["define", "field"])]
+    pub grid: Option<String>,
+    /// Names of quantities, separated by commas: density, velocity, contact_stress, ...
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", requires = "grid")]
+    pub quantities: Vec<String>,
+    /// Width of the kernel, m; several, separated by commas, are sampled in one pass
+    #[arg(long, value_delimiter = ',', value_name = "METRES", requires = "grid")]
+    pub width: Vec<f64>,
+    /// gaussian, lucy or heaviside
+    #[arg(long, default_value = "gaussian", value_name = "KERNEL", requires = "grid")]
+    pub kernel: String,
+    /// Support of the kernel over its width
+    #[arg(long, default_value_t = 4.0, value_name = "X", requires = "grid")]
+    pub cutoff_widths: f64,
+    /// Give what plane walls cut off a kernel back to its part in front of them
+    #[arg(long, requires = "grid")]
+    pub wall_correction: bool,
+    /// A definition as in a `[[field]]` of a scene file, instead of --grid: a TOML file without that heading
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["grid", "field"])]
+    pub define: Option<PathBuf>,
+    /// A field that was defined in the recorded simulation, instead of --grid
+    #[arg(long, value_name = "NAME", conflicts_with = "grid")]
+    pub field: Option<String>,
+    /// From this simulated time on, s
+    #[arg(long, default_value_t = f64::NEG_INFINITY, value_name = "SECONDS", hide_default_value = true)]
+    pub from: f64,
+    /// To this simulated time, s
+    #[arg(long, default_value_t = f64::INFINITY, value_name = "SECONDS", hide_default_value = true)]
+    pub to: f64,
+    /// The mean over all states instead of each, with standard errors from this many blocks
+    #[arg(long, value_name = "BLOCKS", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub mean: Option<u32>,
 }

@@ -3,6 +3,7 @@
 mod certs;
 mod check;
 mod export;
+mod fields;
 mod inspect;
 mod play;
 mod prepare;
@@ -20,6 +21,7 @@ use thiserror::Error;
 pub use certs::certs;
 pub use check::check;
 pub use export::export;
+pub use fields::fields;
 pub use inspect::inspect;
 pub(crate) use inspect::{Place, ask, connect};
 pub use play::play;

@@ -190,6 +190,10 @@ impl Exporter {
         if !self.options.fields || !self.pick(&name, time_s) {
             return Ok(());
         }
+        if let Some(obstacle) = fields::obstacle(field) {
+            tracing::warn!("the field {:?} is left out: {obstacle}", field.name);
+            return Ok(());
+        }
         let Options { encoding, precision, .. } = self.options;
         let image = fields::image(field, precision)?;
         self.add(&name, "vti", time_s, |path| write_image(path, encoding, time_s, &image))

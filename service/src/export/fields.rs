@@ -6,7 +6,16 @@ use sturz_protocol::v1;
 use super::exporter::ExportError;
 use super::vtk::{Array, ImageData, Precision};
 
-/// The grid of a field, its columns at the cells.
+/// Why a field cannot be an image, whose axes are straight and those of the world.
+pub fn obstacle(field: &v1::FieldFrame) -> Option<&'static str> {
+    if field.grid.as_ref().is_some_and(|grid| grid.cylinder.is_some()) {
+        return Some("its grid is cylindrical");
+    }
+    let is_turned = field.grid_orientation.is_some_and(|q| [q.x, q.y, q.z] != [0.0; 3]);
+    is_turned.then_some("its grid turns with a boundary")
+}
+
+/// The grid of a field, its columns at the cells; those of standard errors end in `_standard_error`.
 pub fn image(field: &v1::FieldFrame, precision: Precision) -> Result<ImageData, ExportError> {
     let bad = |what: &str| ExportError::Message(format!("field {:?}: {what}", field.name));
     let grid = field.grid.as_ref().ok_or_else(|| bad("has no grid"))?;
@@ -15,10 +24,12 @@ pub fn image(field: &v1::FieldFrame, precision: Precision) -> Result<ImageData, 
     if cells.contains(&0) {
         return Err(bad("its grid has no cells"));
     }
+    let moved = field.grid_origin_m.unwrap_or_default();
     let (min, max) = ([min.x, min.y, min.z], [max.x, max.y, max.z]);
     let spacing = std::array::from_fn(|axis| (max[axis] - min[axis]) / f64::from(cells[axis]));
     let mut cell_data = Vec::new();
-    for column in &field.columns {
+    let columns = field.columns.iter().map(|column| (column, ""));
+    for (column, suffix) in columns.chain(field.standard_errors.iter().map(|column| (column, "_standard_error"))) {
         // Components are read one by one: quantities to come may have any number of them.
         let flat = v1::Column { components: 1, ..column.clone() };
         let numbers = columns::read_floats::<1>(&flat).map(|rows| rows.into_flattened());
@@ -28,9 +39,10 @@ pub fn image(field: &v1::FieldFrame, precision: Precision) -> Result<ImageData, 
             return Err(bad(&format!("column {:?} has another length than the grid", column.name)));
         }
         let values = precision.values(x_fastest(&numbers, cells, components));
-        cell_data.push(Array { name: column.name.clone().into(), components, values });
+        cell_data.push(Array { name: format!("{}{suffix}", column.name).into(), components, values });
     }
-    Ok(ImageData { origin: min, spacing, cells, cell_data })
+    let origin = [min[0] + moved.x, min[1] + moved.y, min[2] + moved.z];
+    Ok(ImageData { origin, spacing, cells, cell_data })
 }
 
 /// On the wire x is slowest.
@@ -65,6 +77,7 @@ mod tests {
                 cells_x: 2,
                 cells_y: 3,
                 cells_z: 4,
+                cylinder: None,
             }),
             columns: vec![columns::rows("velocity", "m/s", &velocities)],
             ..Default::default()
@@ -81,7 +94,7 @@ mod tests {
         let corner = Some(v1::Vec3 { x: 0.0, y: 0.0, z: 0.0 });
         let field = v1::FieldFrame {
             name: "slice".into(),
-            grid: Some(v1::Grid { min_m: corner, max_m: corner, cells_x: 2, cells_y: 1, cells_z: 1 }),
+            grid: Some(v1::Grid { min_m: corner, max_m: corner, cells_x: 2, cells_y: 1, cells_z: 1, cylinder: None }),
             columns: vec![columns::rows("density", "kg/m3", &[[1.0_f64]])],
             ..Default::default()
         };

@@ -79,6 +79,7 @@ impl Runner<'_> {
                 field_definition_from_wire(field).map_err(|input| anyhow!("a field: {}", input.problem))?;
             self.outbox.define_field(definition);
         }
+        self.follow_averages();
         self.outbox.restore_outputs(&daemon.outputs).map_err(|error| anyhow!("an output: {}", error.message))?;
         // what a guard had told of is no news
         self.guards = GuardWatch::new(self.engine.warnings());

@@ -94,13 +94,10 @@ fn report(engine: &mut Engine) {
 fn compute_field(engine: &mut Engine) {
     let reach = engine.scene().shapes()[0].bounding_radius();
     let side = 16.0 * reach;
-    engine.compute_field(&FieldDefinition {
-        name: "left-out".to_owned(),
-        grid: Grid { min_m: [0.0; 3], max_m: [side; 3], cells: [4; 3] },
-        quantities: vec![FieldQuantity::SolidFraction, FieldQuantity::Velocity],
-        width_m: 2.0 * reach,
-        cutoff_widths: 3.0,
-    });
+    let grid = Grid { min_m: [0.0; 3], max_m: [side; 3], cells: [4; 3], cylinder: None };
+    let quantities = [FieldQuantity::SolidFraction, FieldQuantity::Velocity];
+    let definition = FieldDefinition::new("left-out", grid, &quantities, 2.0 * reach);
+    engine.compute_field(&FieldDefinition { cutoff_widths: 3.0, ..definition });
 }
 
 /// The features that workload can be asked about.

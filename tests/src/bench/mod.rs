@@ -1,9 +1,10 @@
 //! Benchmarks: settled beds of fixed parameters, and the cost and quality of a step on them.
 //!
 //! `workload` says what is simulated, `settle` brings it to rest (kept by `cache`), `measure` times it, alone or
-//! repeated (`tiles`), and `left_out` what a scene does not use.
+//! repeated (`tiles`), `left_out` what a scene does not use, and `fields` samples of fields.
 
 mod cache;
+mod fields;
 mod given;
 mod left_out;
 mod measure;
@@ -12,6 +13,7 @@ mod settle;
 mod tiles;
 mod workload;
 
+pub use fields::{FieldCost, field_costs};
 pub use left_out::{LeftOut, left_out};
 pub use measure::{Measurement, NormalLaw, Plan, measure};
 pub use memory::{Memory, memory};

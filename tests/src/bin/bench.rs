@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Parser;
 use serde::Serialize;
-use sturz_tests::bench::{LeftOut, Measurement, NormalLaw, Plan, Size, Workload, left_out, measure, settled};
+use sturz_tests::bench::{
+    LeftOut, Measurement, NormalLaw, Plan, Size, Workload, field_costs, left_out, measure, settled,
+};
 
 /// Times the engine on settled beds (settled first where no cached bed is found, which takes minutes).
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// W1, W2-cubes, W2-pinacoids, W2r, R-octahedra, W3, W3r, W4 or all
+    /// W1, W2-cubes, W2-pinacoids, W2r, R-octahedra, W3, W3r, W4, all of these, or fields: what a sample costs
     workload: String,
     /// Physics threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -45,6 +47,9 @@ struct Arguments {
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
     let size = if arguments.small { Size::Small } else { Size::Full };
+    if arguments.workload == "fields" {
+        return time_fields(&arguments);
+    }
     let names: Vec<&str> =
         if arguments.workload == "all" { Workload::NAMES.to_vec() } else { vec![arguments.workload.as_str()] };
     let plan = Plan {
@@ -77,6 +82,16 @@ fn write(path: Option<&Path>, results: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
     let text = serde_json::to_string_pretty(results)? + "\n";
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn time_fields(arguments: &Arguments) -> anyhow::Result<()> {
+    let side = if arguments.small { 4 } else { 22 };
+    let costs = field_costs(side, arguments.threads.into(), arguments.blocks.into())?;
+    println!("{:36} {:>9} {:>7} {:>9}", "field", "particles", "cells", "ms");
+    for cost in &costs {
+        println!("{:36} {:>9} {:>7} {:>9.2}", cost.field, cost.particles, cost.cells, cost.ms);
+    }
+    write(arguments.json.as_deref(), &costs)
 }
 
 fn time_left_out(names: &[&str], size: Size, plan: &Plan, json: Option<&Path>) -> anyhow::Result<()> {

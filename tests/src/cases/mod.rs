@@ -5,6 +5,7 @@ mod cylinder;
 mod degenerate;
 mod energy;
 mod extremes;
+mod fields;
 mod glued;
 mod hertz;
 mod impact;
@@ -312,6 +313,7 @@ pub fn registry() -> Vec<Case> {
         energy::cases(),
         standing::cases(),
         restart::cases(),
+        fields::cases(),
         r518::cases(),
     ]
     .into_iter()

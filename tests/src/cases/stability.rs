@@ -232,14 +232,10 @@ fn many_contacts(checks: &mut Checks) -> anyhow::Result<()> {
 }
 
 fn every_field() -> FieldDefinition {
-    use FieldQuantity::{Density, GranularTemperature, Momentum, SolidFraction, Velocity};
-    FieldDefinition {
-        name: "all".into(),
-        grid: Grid { min_m: [-1.0; 3], max_m: [1.0; 3], cells: [4, 3, 2] },
-        quantities: vec![SolidFraction, Density, Momentum, Velocity, GranularTemperature],
-        width_m: 0.2,
-        cutoff_widths: 4.0,
-    }
+    // cells are farther apart than the width: no velocity at the particles
+    let quantities = FieldQuantity::ALL.iter().filter(|q| **q != FieldQuantity::KineticStressAboutParticles);
+    let grid = Grid { min_m: [-1.0; 3], max_m: [1.0; 3], cells: [4, 3, 2], cylinder: None };
+    FieldDefinition::new("all", grid, &quantities.copied().collect::<Vec<_>>(), 0.2)
 }
 
 /// Steps, report and fields of whatever is there: finite, and 0 where there is nothing.

@@ -27,7 +27,7 @@ from .errors import (
     SturzError,
     Timeout,
 )
-from .field import Field, FieldDefinition, FieldMean, Grid
+from .field import Field, FieldAverage, FieldDefinition, FieldMean, Grid, GridCylinder
 from .loads import Loads
 from .output import Output
 from .participant import CouplingError, Participant
@@ -85,9 +85,11 @@ __all__ = [
     "EventKind",
     "Features",
     "Field",
+    "FieldAverage",
     "FieldDefinition",
     "FieldMean",
     "Grid",
+    "GridCylinder",
     "GuardWarning",
     "Header",
     "Info",

@@ -25,7 +25,7 @@ from .bus import Bus
 from .contacts import Contacts
 from .daemon import Daemon
 from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, SturzError, Timeout
-from .field import Field, FieldDefinition, grid_from
+from .field import Field, FieldAverage, FieldDefinition, GridCylinder, grid_from
 from .loads import Loads
 from .output import FloatType, output_message
 from .progress import ProgressBar, wanted
@@ -781,21 +781,53 @@ class Simulation:
         max_m: ArrayLike,
         cells: Iterable[int],
         quantities: Iterable[str],
-        width_m: float,
+        width_m: float | Iterable[float],
         cutoff_widths: float | None = None,
+        kernel: str = "gaussian",
+        cylinder: GridCylinder | None = None,
+        wall_correction: bool = False,
+        body_axis: str = "longest",
+        average: FieldAverage | None = None,
+        moves_at_m_per_s: tuple[float, float, float] | None = None,
+        moves_with: str | None = None,
     ) -> FieldDefinition:
         """Defines a field, or replaces the one of that name. It is computed only while somebody asks or subscribes.
 
+        A mean over time is taken as long as the field is defined, and goes on where an equal field is defined again.
+
         Args:
             name: letters, digits, `_` and `-`.
-            min_m: lower corner of the grid, (3,), m.
+            min_m: lower corner of the grid, (3,), m; with `cylinder` radius (m), angle (rad) and height (m).
             max_m: upper corner, (3,), m.
             cells: along each axis; 1 averages over the whole extent.
-            quantities: ``solid_fraction``, ``density``, ``momentum``, ``velocity``, ``granular_temperature``.
-            width_m: coarse-graining width w of the kernel exp(-R^2 / (2 w^2)), m.
+            quantities: names as in `Features.field_quantities`.
+            width_m: coarse-graining width w of the kernel, m; several are sampled in one pass.
             cutoff_widths: support of the kernel over its width; the daemon's default (4) when absent.
+            kernel: ``gaussian``: exp(-R^2 / (2 w^2)) up to the cutoff, ``lucy`` or ``heaviside``.
+            cylinder: axis of a cylindrical grid.
+            wall_correction: gives what plane walls cut off a kernel back to its part in front of them.
+            body_axis: whose orientation is sampled: ``longest``, ``shortest``, ``x``, ``y`` or ``z`` of the body frame.
+            average: a mean over time with standard errors, instead of the state of now.
+            moves_at_m_per_s: velocity of the grid, which is where it is given at time 0.
+            moves_with: name of a boundary that the grid moves with.
         """
-        definition = FieldDefinition(name, grid_from(min_m, max_m, cells), tuple(quantities), width_m, cutoff_widths)
+        widths = [float(width) for width in width_m] if isinstance(width_m, Iterable) else [width_m]
+        if not widths:
+            raise ValueError("width_m is empty; one width at least is needed")
+        definition = FieldDefinition(
+            name=name,
+            grid=grid_from(min_m, max_m, cells, cylinder),
+            quantities=tuple(quantities),
+            width_m=widths[0],
+            cutoff_widths=cutoff_widths,
+            kernel=kernel,
+            more_widths_m=tuple(widths[1:]),
+            wall_correction=wall_correction,
+            body_axis=body_axis,
+            average=average,
+            moves_at_m_per_s=moves_at_m_per_s,
+            moves_with=moves_with,
+        )
         self._quick("define_field", pb.DefineFieldRequest(field=definition.to_message()))
         return definition
 

@@ -31,6 +31,48 @@ class FieldQuantity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     FIELD_QUANTITY_MOMENTUM: _ClassVar[FieldQuantity]
     FIELD_QUANTITY_VELOCITY: _ClassVar[FieldQuantity]
     FIELD_QUANTITY_GRANULAR_TEMPERATURE: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_SOLID_FRACTION_OF_SHAPES: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_NUMBER_DENSITY: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_ANGULAR_VELOCITY: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_VELOCITY_GRADIENT: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_SHEAR_RATE: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_CONTACT_STRESS: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_CONTACT_STRESS_PAIRS: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_CONTACT_STRESS_BOUNDARIES: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_KINETIC_STRESS: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_KINETIC_STRESS_ABOUT_PARTICLES: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_KINETIC_STRESS_OF_GRADIENT: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_KINETIC_STRESS_SCALE_FREE: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_KINETIC_STRESS_OF_ROTATION: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_STRESS: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_PRESSURE: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_SECOND_MOMENT: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_ORIENTATION: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_COORDINATION: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_INERTIAL_NUMBER: _ClassVar[FieldQuantity]
+    FIELD_QUANTITY_WALL_FORCE_DENSITY: _ClassVar[FieldQuantity]
+
+class FieldKernel(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    FIELD_KERNEL_UNSPECIFIED: _ClassVar[FieldKernel]
+    FIELD_KERNEL_GAUSSIAN: _ClassVar[FieldKernel]
+    FIELD_KERNEL_LUCY: _ClassVar[FieldKernel]
+    FIELD_KERNEL_HEAVISIDE: _ClassVar[FieldKernel]
+
+class BodyAxis(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    BODY_AXIS_UNSPECIFIED: _ClassVar[BodyAxis]
+    BODY_AXIS_LONGEST: _ClassVar[BodyAxis]
+    BODY_AXIS_SHORTEST: _ClassVar[BodyAxis]
+    BODY_AXIS_X: _ClassVar[BodyAxis]
+    BODY_AXIS_Y: _ClassVar[BodyAxis]
+    BODY_AXIS_Z: _ClassVar[BodyAxis]
+
+class AverageWindow(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    AVERAGE_WINDOW_UNSPECIFIED: _ClassVar[AverageWindow]
+    AVERAGE_WINDOW_GROWING: _ClassVar[AverageWindow]
+    AVERAGE_WINDOW_SLIDING: _ClassVar[AverageWindow]
 DATA_TYPE_UNSPECIFIED: DataType
 DATA_TYPE_F64: DataType
 DATA_TYPE_F32: DataType
@@ -48,6 +90,39 @@ FIELD_QUANTITY_DENSITY: FieldQuantity
 FIELD_QUANTITY_MOMENTUM: FieldQuantity
 FIELD_QUANTITY_VELOCITY: FieldQuantity
 FIELD_QUANTITY_GRANULAR_TEMPERATURE: FieldQuantity
+FIELD_QUANTITY_SOLID_FRACTION_OF_SHAPES: FieldQuantity
+FIELD_QUANTITY_NUMBER_DENSITY: FieldQuantity
+FIELD_QUANTITY_ANGULAR_VELOCITY: FieldQuantity
+FIELD_QUANTITY_VELOCITY_GRADIENT: FieldQuantity
+FIELD_QUANTITY_SHEAR_RATE: FieldQuantity
+FIELD_QUANTITY_CONTACT_STRESS: FieldQuantity
+FIELD_QUANTITY_CONTACT_STRESS_PAIRS: FieldQuantity
+FIELD_QUANTITY_CONTACT_STRESS_BOUNDARIES: FieldQuantity
+FIELD_QUANTITY_KINETIC_STRESS: FieldQuantity
+FIELD_QUANTITY_KINETIC_STRESS_ABOUT_PARTICLES: FieldQuantity
+FIELD_QUANTITY_KINETIC_STRESS_OF_GRADIENT: FieldQuantity
+FIELD_QUANTITY_KINETIC_STRESS_SCALE_FREE: FieldQuantity
+FIELD_QUANTITY_KINETIC_STRESS_OF_ROTATION: FieldQuantity
+FIELD_QUANTITY_STRESS: FieldQuantity
+FIELD_QUANTITY_PRESSURE: FieldQuantity
+FIELD_QUANTITY_SECOND_MOMENT: FieldQuantity
+FIELD_QUANTITY_ORIENTATION: FieldQuantity
+FIELD_QUANTITY_COORDINATION: FieldQuantity
+FIELD_QUANTITY_INERTIAL_NUMBER: FieldQuantity
+FIELD_QUANTITY_WALL_FORCE_DENSITY: FieldQuantity
+FIELD_KERNEL_UNSPECIFIED: FieldKernel
+FIELD_KERNEL_GAUSSIAN: FieldKernel
+FIELD_KERNEL_LUCY: FieldKernel
+FIELD_KERNEL_HEAVISIDE: FieldKernel
+BODY_AXIS_UNSPECIFIED: BodyAxis
+BODY_AXIS_LONGEST: BodyAxis
+BODY_AXIS_SHORTEST: BodyAxis
+BODY_AXIS_X: BodyAxis
+BODY_AXIS_Y: BodyAxis
+BODY_AXIS_Z: BodyAxis
+AVERAGE_WINDOW_UNSPECIFIED: AverageWindow
+AVERAGE_WINDOW_GROWING: AverageWindow
+AVERAGE_WINDOW_SLIDING: AverageWindow
 
 class Vec3(_message.Message):
     __slots__ = ("x", "y", "z")
@@ -171,36 +246,92 @@ class OutputDefinition(_message.Message):
     every_sim_s: float
     def __init__(self, stream: _Optional[str] = ..., columns: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[DataType, str]] = ..., every_steps: _Optional[int] = ..., every_wall_s: _Optional[float] = ..., every_sim_s: _Optional[float] = ...) -> None: ...
 
+class GridCylinder(_message.Message):
+    __slots__ = ("point_m", "axis", "zero")
+    POINT_M_FIELD_NUMBER: _ClassVar[int]
+    AXIS_FIELD_NUMBER: _ClassVar[int]
+    ZERO_FIELD_NUMBER: _ClassVar[int]
+    point_m: Vec3
+    axis: Vec3
+    zero: Vec3
+    def __init__(self, point_m: _Optional[_Union[Vec3, _Mapping]] = ..., axis: _Optional[_Union[Vec3, _Mapping]] = ..., zero: _Optional[_Union[Vec3, _Mapping]] = ...) -> None: ...
+
 class Grid(_message.Message):
-    __slots__ = ("min_m", "max_m", "cells_x", "cells_y", "cells_z")
+    __slots__ = ("min_m", "max_m", "cells_x", "cells_y", "cells_z", "cylinder")
     MIN_M_FIELD_NUMBER: _ClassVar[int]
     MAX_M_FIELD_NUMBER: _ClassVar[int]
     CELLS_X_FIELD_NUMBER: _ClassVar[int]
     CELLS_Y_FIELD_NUMBER: _ClassVar[int]
     CELLS_Z_FIELD_NUMBER: _ClassVar[int]
+    CYLINDER_FIELD_NUMBER: _ClassVar[int]
     min_m: Vec3
     max_m: Vec3
     cells_x: int
     cells_y: int
     cells_z: int
-    def __init__(self, min_m: _Optional[_Union[Vec3, _Mapping]] = ..., max_m: _Optional[_Union[Vec3, _Mapping]] = ..., cells_x: _Optional[int] = ..., cells_y: _Optional[int] = ..., cells_z: _Optional[int] = ...) -> None: ...
+    cylinder: GridCylinder
+    def __init__(self, min_m: _Optional[_Union[Vec3, _Mapping]] = ..., max_m: _Optional[_Union[Vec3, _Mapping]] = ..., cells_x: _Optional[int] = ..., cells_y: _Optional[int] = ..., cells_z: _Optional[int] = ..., cylinder: _Optional[_Union[GridCylinder, _Mapping]] = ...) -> None: ...
+
+class GridMotion(_message.Message):
+    __slots__ = ("translation_m_per_s", "boundary")
+    TRANSLATION_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    BOUNDARY_FIELD_NUMBER: _ClassVar[int]
+    translation_m_per_s: Vec3
+    boundary: str
+    def __init__(self, translation_m_per_s: _Optional[_Union[Vec3, _Mapping]] = ..., boundary: _Optional[str] = ...) -> None: ...
+
+class FieldAverage(_message.Message):
+    __slots__ = ("every_steps", "samples_per_block", "blocks", "window", "from_time_s")
+    EVERY_STEPS_FIELD_NUMBER: _ClassVar[int]
+    SAMPLES_PER_BLOCK_FIELD_NUMBER: _ClassVar[int]
+    BLOCKS_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FIELD_NUMBER: _ClassVar[int]
+    FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    every_steps: int
+    samples_per_block: int
+    blocks: int
+    window: AverageWindow
+    from_time_s: float
+    def __init__(self, every_steps: _Optional[int] = ..., samples_per_block: _Optional[int] = ..., blocks: _Optional[int] = ..., window: _Optional[_Union[AverageWindow, str]] = ..., from_time_s: _Optional[float] = ...) -> None: ...
 
 class FieldDefinition(_message.Message):
-    __slots__ = ("name", "grid", "quantities", "width_m", "cutoff_widths")
+    __slots__ = ("name", "grid", "quantities", "width_m", "cutoff_widths", "kernel", "more_widths_m", "wall_correction", "body_axis", "average", "motion")
     NAME_FIELD_NUMBER: _ClassVar[int]
     GRID_FIELD_NUMBER: _ClassVar[int]
     QUANTITIES_FIELD_NUMBER: _ClassVar[int]
     WIDTH_M_FIELD_NUMBER: _ClassVar[int]
     CUTOFF_WIDTHS_FIELD_NUMBER: _ClassVar[int]
+    KERNEL_FIELD_NUMBER: _ClassVar[int]
+    MORE_WIDTHS_M_FIELD_NUMBER: _ClassVar[int]
+    WALL_CORRECTION_FIELD_NUMBER: _ClassVar[int]
+    BODY_AXIS_FIELD_NUMBER: _ClassVar[int]
+    AVERAGE_FIELD_NUMBER: _ClassVar[int]
+    MOTION_FIELD_NUMBER: _ClassVar[int]
     name: str
     grid: Grid
     quantities: _containers.RepeatedScalarFieldContainer[FieldQuantity]
     width_m: float
     cutoff_widths: float
-    def __init__(self, name: _Optional[str] = ..., grid: _Optional[_Union[Grid, _Mapping]] = ..., quantities: _Optional[_Iterable[_Union[FieldQuantity, str]]] = ..., width_m: _Optional[float] = ..., cutoff_widths: _Optional[float] = ...) -> None: ...
+    kernel: FieldKernel
+    more_widths_m: _containers.RepeatedScalarFieldContainer[float]
+    wall_correction: bool
+    body_axis: BodyAxis
+    average: FieldAverage
+    motion: GridMotion
+    def __init__(self, name: _Optional[str] = ..., grid: _Optional[_Union[Grid, _Mapping]] = ..., quantities: _Optional[_Iterable[_Union[FieldQuantity, str]]] = ..., width_m: _Optional[float] = ..., cutoff_widths: _Optional[float] = ..., kernel: _Optional[_Union[FieldKernel, str]] = ..., more_widths_m: _Optional[_Iterable[float]] = ..., wall_correction: bool = ..., body_axis: _Optional[_Union[BodyAxis, str]] = ..., average: _Optional[_Union[FieldAverage, _Mapping]] = ..., motion: _Optional[_Union[GridMotion, _Mapping]] = ...) -> None: ...
+
+class FieldWidth(_message.Message):
+    __slots__ = ("width_m", "columns", "standard_errors")
+    WIDTH_M_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    STANDARD_ERRORS_FIELD_NUMBER: _ClassVar[int]
+    width_m: float
+    columns: _containers.RepeatedCompositeFieldContainer[Column]
+    standard_errors: _containers.RepeatedCompositeFieldContainer[Column]
+    def __init__(self, width_m: _Optional[float] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., standard_errors: _Optional[_Iterable[_Union[Column, _Mapping]]] = ...) -> None: ...
 
 class FieldFrame(_message.Message):
-    __slots__ = ("header", "name", "grid", "kernel", "width_m", "cutoff_widths", "columns", "total_mass_kg", "total_momentum_kg_m_per_s")
+    __slots__ = ("header", "name", "grid", "kernel", "width_m", "cutoff_widths", "columns", "total_mass_kg", "total_momentum_kg_m_per_s", "standard_errors", "more_widths", "samples", "blocks", "from_time_s", "grid_origin_m", "grid_orientation")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     NAME_FIELD_NUMBER: _ClassVar[int]
     GRID_FIELD_NUMBER: _ClassVar[int]
@@ -210,6 +341,13 @@ class FieldFrame(_message.Message):
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     TOTAL_MASS_KG_FIELD_NUMBER: _ClassVar[int]
     TOTAL_MOMENTUM_KG_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    STANDARD_ERRORS_FIELD_NUMBER: _ClassVar[int]
+    MORE_WIDTHS_FIELD_NUMBER: _ClassVar[int]
+    SAMPLES_FIELD_NUMBER: _ClassVar[int]
+    BLOCKS_FIELD_NUMBER: _ClassVar[int]
+    FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    GRID_ORIGIN_M_FIELD_NUMBER: _ClassVar[int]
+    GRID_ORIENTATION_FIELD_NUMBER: _ClassVar[int]
     header: Header
     name: str
     grid: Grid
@@ -219,4 +357,11 @@ class FieldFrame(_message.Message):
     columns: _containers.RepeatedCompositeFieldContainer[Column]
     total_mass_kg: float
     total_momentum_kg_m_per_s: Vec3
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., name: _Optional[str] = ..., grid: _Optional[_Union[Grid, _Mapping]] = ..., kernel: _Optional[str] = ..., width_m: _Optional[float] = ..., cutoff_widths: _Optional[float] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., total_mass_kg: _Optional[float] = ..., total_momentum_kg_m_per_s: _Optional[_Union[Vec3, _Mapping]] = ...) -> None: ...
+    standard_errors: _containers.RepeatedCompositeFieldContainer[Column]
+    more_widths: _containers.RepeatedCompositeFieldContainer[FieldWidth]
+    samples: int
+    blocks: int
+    from_time_s: float
+    grid_origin_m: Vec3
+    grid_orientation: Quaternion
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., name: _Optional[str] = ..., grid: _Optional[_Union[Grid, _Mapping]] = ..., kernel: _Optional[str] = ..., width_m: _Optional[float] = ..., cutoff_widths: _Optional[float] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., total_mass_kg: _Optional[float] = ..., total_momentum_kg_m_per_s: _Optional[_Union[Vec3, _Mapping]] = ..., standard_errors: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., more_widths: _Optional[_Iterable[_Union[FieldWidth, _Mapping]]] = ..., samples: _Optional[int] = ..., blocks: _Optional[int] = ..., from_time_s: _Optional[float] = ..., grid_origin_m: _Optional[_Union[Vec3, _Mapping]] = ..., grid_orientation: _Optional[_Union[Quaternion, _Mapping]] = ...) -> None: ...
