@@ -1,6 +1,6 @@
 # Two commands: `make demo` runs the main job, `make test` passes all the tests. Both need Rust, Python 3.11 or later,
 # a C toolchain and the package registries, and make their own Python environment in .venv.
-.PHONY: help demo test lint bench validate geometry wheel clean
+.PHONY: help demo test lint bench validate geometry fuzz wheel clean
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -15,6 +15,7 @@ help:
 	@echo "make lint      format and lints of Rust and Python"
 	@echo "make bench     the workloads on one and two threads (half an hour; settles its beds first)"
 	@echo "make geometry  a million random and degenerate pairs of polyhedra against brute force"
+	@echo "make fuzz      cargo fuzz on every decoder, SECONDS=60 each (needs nightly Rust and cargo-fuzz)"
 	@echo "make wheel     one Python wheel with the client and the daemon, in out/wheels"
 	@echo "make validate  cases of closed forms and papers: validation/report.html (TIER=fast: minutes, nightly, release)"
 
@@ -54,6 +55,19 @@ validate: $(VENV)/stamp
 
 geometry:
 	STURZ_PAIRS=1000000 $(RUST) test --release --locked --workspace --lib generic
+
+# Sound inputs first, by a program of the workspace; then each decoder in turn, on one core and in bounded memory.
+SECONDS ?= 60
+FUZZ := tests/fuzz
+TARGETS ?= request checkpoint bed journal_log snapshot recording settings scene mesh rockable
+fuzz:
+	$(RUST) build --release --locked --workspace --all-targets
+	target/release/decoders --seeds $(FUZZ)/corpus
+	$(RUST) +nightly fuzz build --fuzz-dir $(FUZZ)
+	for target in $(TARGETS); do \
+	    $(RUST) +nightly fuzz run --fuzz-dir $(FUZZ) $$target -- \
+	        -max_total_time=$(SECONDS) -max_len=65536 -rss_limit_mb=2048 -timeout=20 -print_final_stats=1 || exit 1; \
+	done
 
 wheel: $(VENV)/stamp
 	$(PY) -m pip install --quiet --disable-pip-version-check 'maturin>=1.8,<2'

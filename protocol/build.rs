@@ -10,7 +10,8 @@ const FILES: [&str; 3] = ["sturz/v1/data.proto", "sturz/v1/command.proto", "stur
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=proto");
     let mut set = protox::compile(FILES, ["proto"])?;
-    prost_build::Config::new().compile_fds(set.clone())?;
+    // Columns are read out of the message that they came in, without a copy.
+    prost_build::Config::new().bytes(["."]).compile_fds(set.clone())?;
     // Comments and positions change without the schema changing.
     set.file.iter_mut().for_each(|file| file.source_code_info = None);
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR")?);

@@ -39,8 +39,8 @@ pub trait Number: Copy {
     const DTYPE: DataType;
     /// Its bytes.
     const BYTES: usize;
-    /// Appends its bytes.
-    fn put(self, out: &mut Vec<u8>);
+    /// Writes its bytes into exactly [`Number::BYTES`] of them.
+    fn put(self, out: &mut [u8]);
     /// From exactly [`Number::BYTES`] bytes.
     fn get(bytes: &[u8]) -> Self;
 }
@@ -50,9 +50,11 @@ macro_rules! number {
         impl Number for $type {
             const DTYPE: DataType = $dtype;
             const BYTES: usize = size_of::<$type>();
-            fn put(self, out: &mut Vec<u8>) {
-                out.extend_from_slice(&self.to_le_bytes());
+            #[inline]
+            fn put(self, out: &mut [u8]) {
+                out.copy_from_slice(&self.to_le_bytes());
             }
+            #[inline]
             fn get(bytes: &[u8]) -> Self {
                 let mut raw = [0; size_of::<$type>()];
                 raw.copy_from_slice(bytes);
@@ -74,9 +76,11 @@ pub fn rows<T: Number, const C: usize>(name: &str, unit: &str, rows: &[[T; C]]) 
 
 /// A column of `components` numbers per row.
 pub fn flat<T: Number>(name: &str, unit: &str, components: usize, numbers: &[T]) -> Column {
-    let mut data = Vec::with_capacity(numbers.len() * T::BYTES);
-    numbers.iter().for_each(|number| number.put(&mut data));
-    Column { name: name.into(), dtype: T::DTYPE.into(), components: components as u32, data, unit: unit.into() }
+    let mut data = vec![0; numbers.len() * T::BYTES];
+    // Of known lengths: the compiler makes one copy of it.
+    data.chunks_exact_mut(T::BYTES).zip(numbers).for_each(|(bytes, number)| number.put(bytes));
+    let (dtype, components, data) = (T::DTYPE.into(), components as u32, data.into());
+    Column { name: name.into(), dtype, components, data, unit: unit.into() }
 }
 
 /// Numbers of a column of `C` components per row, proved to be such a column.

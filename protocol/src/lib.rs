@@ -12,7 +12,7 @@
 //!
 //! let down = v1::Vec3 { x: 0.0, y: 0.0, z: -9.81 };
 //! let bytes = v1::SetGravityRequest { header: None, gravity_m_per_s2: Some(down) }.encode_to_vec();
-//! assert!(matches!(Request::decode(Verb::SetGravity, &bytes), Ok(Request::SetGravity(_))));
+//! assert!(matches!(Request::decode(Verb::SetGravity, bytes.as_slice()), Ok(Request::SetGravity(_))));
 //! ```
 
 #![deny(missing_docs)]

@@ -1,5 +1,6 @@
 //! A request of any kind, decoded.
 
+use prost::bytes::Buf;
 use prost::{DecodeError, Message as _};
 
 use crate::keys::Verb;
@@ -58,8 +59,8 @@ macro_rules! each {
 }
 
 impl Request {
-    /// From the payload found under the key of `verb`.
-    pub fn decode(verb: Verb, bytes: &[u8]) -> Result<Self, DecodeError> {
+    /// From the payload found under the key of `verb`. Out of `Bytes`, columns are no copies.
+    pub fn decode(verb: Verb, bytes: impl Buf) -> Result<Self, DecodeError> {
         Ok(match verb {
             Verb::Insert => Request::Insert(v1::InsertRequest::decode(bytes)?),
             Verb::Remove => Request::Remove(v1::RemoveRequest::decode(bytes)?),

@@ -12,7 +12,7 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 
 use crate::journal::{Fsync, Keep};
 pub use recordings::{Encoding, Export, ExportPart, Fields, Play, Record, RecordTopic};
-pub use settings::{Effective, Source, parse};
+pub use settings::{Effective, Source, check_file, parse};
 pub use study::Study;
 pub use watching::{Inspect, Top};
 

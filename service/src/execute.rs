@@ -15,7 +15,7 @@ use crate::ticket::{Ticket, effect_to_wire, outcome};
 
 impl Runner<'_> {
     /// Takes a new order on, or answers a repeated one from memory.
-    pub(crate) fn receive(&mut self, order: Order, reply: ReplyTo) {
+    pub fn receive(&mut self, order: Order, reply: ReplyTo) {
         match self.memory.admit(&order.key, order.fingerprint, reply) {
             Admission::New(reply) => {
                 let ticket = Ticket::new(&order, reply, self.moment().step);

@@ -235,7 +235,7 @@ impl Io {
     }
 
     fn take_command(self: &Arc<Self>, verb: Verb, raw: Raw, permit: OwnedSemaphorePermit) {
-        let order = match Order::read(verb, &raw.payload.to_bytes(), &self.limits) {
+        let order = match Order::read(verb, raw.payload.to_bytes().into_owned().into(), &self.limits) {
             Ok(order) => order,
             Err(refusal) => {
                 return self.refuse_command_later(raw, (&refusal.key, verb), refusal.error, permit);

@@ -138,15 +138,15 @@ pub fn invalid(input: InvalidInput) -> v1::Error {
 }
 
 impl Order {
-    /// Decodes and checks what came in under the key of `verb`.
-    pub fn read(verb: Verb, bytes: &[u8], limits: &Limits) -> Result<Self, Refusal> {
+    /// Decodes and checks what came in under the key of `verb`. The bytes are kept for the journal.
+    pub fn read(verb: Verb, bytes: Bytes, limits: &Limits) -> Result<Self, Refusal> {
         let nobody = RequestKey::default();
         if bytes.len() > limits.message_bytes {
             let most = limits.message_bytes;
             let text = format!("{} bytes, at most {most} are allowed (limit `message_bytes`)", bytes.len());
             return Err(Refusal { key: nobody, error: error(v1::ErrorCode::TooLarge, "", text) });
         }
-        let request = Request::decode(verb, bytes).map_err(|problem| {
+        let request = Request::decode(verb, bytes.clone()).map_err(|problem| {
             let text = format!("no {} request: {problem}", verb.name());
             Refusal { key: nobody, error: error(v1::ErrorCode::Undecodable, "", text) }
         })?;
@@ -156,8 +156,8 @@ impl Order {
             check_key(&key).and_then(|()| check_time(verb, header.at_time_s)).and_then(|()| body(&request, limits));
         match checked {
             Ok(body) => {
-                let (fingerprint, request) = (fingerprint(verb, bytes), Bytes::copy_from_slice(bytes));
-                Ok(Self { key, verb, request, fingerprint, at_time_s: header.at_time_s, body })
+                let fingerprint = fingerprint(verb, &bytes);
+                Ok(Self { key, verb, request: bytes, fingerprint, at_time_s: header.at_time_s, body })
             }
             Err(error) => Err(Refusal { key, error }),
         }
@@ -299,8 +299,18 @@ fn define_field_body(request: &v1::DefineFieldRequest, limits: &Limits) -> Resul
     Ok(Body::DefineField(definition))
 }
 
+/// Attempts per particle of a random insertion, fifty times what is usual: the last particle may need all of them, and
+/// nothing else is done meanwhile.
+const MOST_ATTEMPTS: u32 = 100_000;
+
 /// Refuses what is too much before anything is allocated for it.
 fn check_insertion(insertion: &InsertionDescription, limits: &Limits) -> Result<(), v1::Error> {
+    if let Placement::Random { attempts, .. } = insertion.placement
+        && attempts > MOST_ATTEMPTS
+    {
+        let text = format!("is {attempts}, at most {MOST_ATTEMPTS} are allowed");
+        return Err(error(v1::ErrorCode::InvalidInput, "placement.random.attempts", text));
+    }
     let (path, count) = match &insertion.placement {
         Placement::Poses { positions_m, .. } => ("placement.poses.positions_m", positions_m.len() as u64),
         Placement::Lattice { counts, .. } => {
@@ -323,14 +333,14 @@ mod tests {
     use super::*;
 
     fn refusal(request: Request) -> (v1::ErrorCode, String) {
-        let refusal = Order::read(request.verb(), &request.encode(), &Limits::default()).unwrap_err();
+        let refusal = Order::read(request.verb(), request.encode().into(), &Limits::default()).unwrap_err();
         (refusal.error.code(), refusal.error.path)
     }
 
     #[test]
     fn every_verb_refuses_bytes_that_are_no_message() {
         for verb in Verb::ALL {
-            let refusal = Order::read(verb, &[0xff; 40], &Limits::default()).unwrap_err();
+            let refusal = Order::read(verb, Bytes::from_static(&[0xff; 40]), &Limits::default()).unwrap_err();
             assert_eq!(refusal.error.code(), v1::ErrorCode::Undecodable);
             assert_eq!(refusal.error.path, "");
         }
@@ -352,10 +362,32 @@ mod tests {
         assert_eq!(refusal(request), (v1::ErrorCode::TooLarge, "placement.lattice.count_x".into()));
     }
 
+    /// Four thousand million of them would hold the physics up for an hour.
+    #[test]
+    fn attempts_without_end_are_refused() {
+        let region = v1::random_placement::Region::Box(v1::BoxRegion {
+            min_m: Some(v1::Vec3::default()),
+            max_m: Some(v1::Vec3 { x: 1.0, y: 1.0, z: 1.0 }),
+        });
+        let random = |attempts| v1::RandomPlacement {
+            region: Some(region),
+            amount: Some(v1::random_placement::Amount::Count(2)),
+            fixed_orientation: false,
+            attempts: Some(attempts),
+        };
+        let insert = |attempts| {
+            let placement = Some(v1::insert_request::Placement::Random(random(attempts)));
+            Request::Insert(v1::InsertRequest { placement, ..Default::default() })
+        };
+        let path = (v1::ErrorCode::InvalidInput, "placement.random.attempts".into());
+        assert_eq!(refusal(insert(MOST_ATTEMPTS + 1)), path);
+        assert!(Order::read(Verb::Insert, insert(MOST_ATTEMPTS).encode().into(), &Limits::default()).is_ok());
+    }
+
     #[test]
     fn a_message_over_the_limit_is_refused() {
         let limits = Limits { message_bytes: 3, ..Limits::default() };
-        let refusal = Order::read(Verb::Pause, &[0; 4], &limits).unwrap_err();
+        let refusal = Order::read(Verb::Pause, Bytes::from_static(&[0; 4]), &limits).unwrap_err();
         assert_eq!(refusal.error.code(), v1::ErrorCode::TooLarge);
     }
 
@@ -383,7 +415,7 @@ mod tests {
     fn the_fingerprint_tells_requests_apart() {
         let order = |steps| {
             let request = Request::Step(v1::StepRequest { header: None, steps });
-            Order::read(Verb::Step, &request.encode(), &Limits::default()).unwrap().fingerprint
+            Order::read(Verb::Step, request.encode().into(), &Limits::default()).unwrap().fingerprint
         };
         assert_eq!(order(1), order(1));
         assert_ne!(order(1), order(2));

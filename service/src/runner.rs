@@ -197,7 +197,7 @@ impl Runner<'_> {
     }
 
     /// One step; its length, unless it failed.
-    pub(crate) fn step(&mut self) -> Option<f64> {
+    pub fn step(&mut self) -> Option<f64> {
         let before_s = self.moment().time_s;
         let result = self.engine.step();
         let now = self.moment();

@@ -52,6 +52,24 @@ fn top_says_what_it_cannot_do() {
     assert_eq!(nobody.status.code(), Some(6), "{}", text(&nobody.stderr));
 }
 
+/// With the folder of a client, and not without.
+#[test]
+fn top_comes_in_with_a_certificate() {
+    let lab = tempfile::tempdir().unwrap();
+    let folder = lab.path().join("lab");
+    let path = folder.to_str().unwrap();
+    let made = sturz(&["certs", path, "--client", "bob:view"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let daemon = Daemon::serve_scene("cube-heap", &["--paused", "--name", "guarded", "--tls", path]);
+    assert!(daemon.endpoint().starts_with("tls/"), "{}", daemon.endpoint());
+    let bob = folder.join("clients").join("bob");
+    let top = daemon.ask(&["top", "--once", "--tls", bob.to_str().unwrap()]);
+    assert_eq!(top.status.code(), Some(0), "{}", text(&top.stderr));
+    assert!(text(&top.stdout).contains("guarded (Heap of cubes)"), "{}", text(&top.stdout));
+    let stranger = daemon.ask(&["top", "--once"]);
+    assert_eq!(stranger.status.code(), Some(6), "{}", text(&stranger.stderr));
+}
+
 /// One request, all of the answer.
 fn http(address: &str, request: &[u8]) -> String {
     let mut stream = TcpStream::connect(address).unwrap();

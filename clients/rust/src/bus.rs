@@ -1,13 +1,17 @@
 //! The zenoh session with one daemon: questions that get an answer or a reason why not, and subscriptions. Callbacks
 //! of zenoh only enqueue: a call to the bus from inside one can hang.
 
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, OnceLock};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use prost::Message as _;
+use prost::bytes::Bytes;
 use sturz_protocol::keys::{ALL_ALIVE, Keys};
 use sturz_protocol::v1;
+use tokio::runtime::{Handle, RuntimeFlavor};
+use zenoh::bytes::ZBytes;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::qos::CongestionControl;
@@ -45,14 +49,20 @@ pub(crate) struct Bus {
     loss: OnceLock<Loss>,
     _liveliness: Subscriber<()>,
     session: Session,
+    // Last: behind it, the session is that of the thread alone.
+    _closing: Closing,
 }
 
 /// A question on its way, and its answer.
 pub(crate) struct Question {
-    what: String,
-    /// One payload, of an answer (`Ok`) or of an error reply.
-    answers: Arc<Queue<Result<Vec<u8>, Vec<u8>>>>,
+    /// Such as `cmd/pause`.
+    pub(crate) what: String,
+    /// One of them.
+    pub(crate) answers: Arc<Queue<Payload>>,
 }
+
+/// Of an answer (`Ok`), or of an error reply.
+pub(crate) type Payload = Result<Bytes, Bytes>;
 
 /// A declared subscription; dropping it ends it.
 pub(crate) enum Subscription {
@@ -87,9 +97,9 @@ impl Bus {
                 false => ClientError::NoSuchInstance { instance, endpoint, alive },
             });
         }
-        end_session_with_daemon(&session, &watch)?;
+        let closing = end_session_with_daemon(&session, &watch)?;
         let (target, loss) = (target.clone(), OnceLock::new());
-        Ok(Self { keys, target, watch, loss, _liveliness: liveliness, session })
+        Ok(Self { keys, target, watch, loss, _liveliness: liveliness, session, _closing: closing })
     }
 
     /// Of this session, unique on the bus.
@@ -116,7 +126,7 @@ impl Bus {
         let features = self.send_query(&self.keys.features(), None, Some(LAST_MOMENTS)).ok();
         let answer = features.map(|question| question.answers.pop(Some(Instant::now() + LAST_MOMENTS)));
         let controls = match answer {
-            Some(Popped::Item(Ok(payload))) => v1::Features::decode(payload.as_slice()).ok(),
+            Some(Popped::Item(Ok(payload))) => v1::Features::decode(payload).ok(),
             _ => None,
         };
         match controls {
@@ -168,18 +178,28 @@ impl Bus {
     }
 
     /// Waits for the answer to a question.
-    pub(crate) fn answer(&self, question: &Question, patience: Option<Duration>) -> Result<Vec<u8>, ClientError> {
-        let what = &question.what;
-        match question.answers.pop(patience.map(|patience| Instant::now() + patience)) {
+    pub(crate) fn answer(&self, question: &Question, patience: Option<Duration>) -> Result<Bytes, ClientError> {
+        let popped = question.answers.pop(patience.map(|patience| Instant::now() + patience));
+        self.read_answer(&question.what, popped, patience)
+    }
+
+    /// What the answer to a question about `what` means. Looks why there is none, which may take seconds.
+    pub(crate) fn read_answer(
+        &self,
+        what: &str,
+        popped: Popped<Payload>,
+        patience: Option<Duration>,
+    ) -> Result<Bytes, ClientError> {
+        match popped {
             Popped::Item(Ok(payload)) => Ok(payload),
-            Popped::Item(Err(payload)) => match v1::Error::decode(payload.as_slice()) {
+            Popped::Item(Err(payload)) => match v1::Error::decode(payload.clone()) {
                 Ok(error) => Err(Refusal::new(what, error, None).into()),
                 Err(_) => Err(ClientError::bus(what, String::from_utf8_lossy(&payload))),
             },
             Popped::Ended if self.watch.is_gone() => Err(self.gone()),
             Popped::Ended => Err(self.no_answer(what)),
             Popped::TimedOut => {
-                Err(ClientError::Timeout { what: what.clone(), after: patience.unwrap_or(NO_LIMIT), request_id: None })
+                Err(ClientError::Timeout { what: what.into(), after: patience.unwrap_or(NO_LIMIT), request_id: None })
             }
         }
     }
@@ -188,10 +208,10 @@ impl Bus {
     pub(crate) fn subscribe(
         &self,
         key: &str,
-        receive: impl Fn(Vec<u8>) + Send + Sync + 'static,
+        receive: impl Fn(Bytes) + Send + Sync + 'static,
     ) -> Result<Subscription, ClientError> {
         self.check()?;
-        let take = move |sample: Sample| receive(sample.payload().to_bytes().into_owned());
+        let take = move |sample: Sample| receive(bytes_of(sample.payload()));
         let declared = self.session.declare_subscriber(key).callback(take).wait();
         declared.map(Subscription::Live).map_err(|error| self.failed(&topic(key), error))
     }
@@ -201,11 +221,11 @@ impl Bus {
     pub(crate) fn subscribe_with_history(
         &self,
         key: &str,
-        receive: impl Fn(Vec<u8>) + Send + Sync + 'static,
+        receive: impl Fn(Bytes) + Send + Sync + 'static,
         missed: impl Fn(u64) + Send + Sync + 'static,
     ) -> Result<Subscription, ClientError> {
         self.check()?;
-        let take = move |sample: Sample| receive(sample.payload().to_bytes().into_owned());
+        let take = move |sample: Sample| receive(bytes_of(sample.payload()));
         let declared = self
             .session
             .declare_subscriber(key)
@@ -239,25 +259,54 @@ impl Drop for Bus {
 
 /// Ends the session when the daemon is lost. Zenoh would connect it again by itself, with its liveliness token, and the
 /// daemon would take this client, which has given up, for one that lives and holds its lease.
-fn end_session_with_daemon(session: &Session, watch: &Arc<Watch>) -> Result<(), ClientError> {
-    let (session, watch) = (session.clone(), Arc::clone(watch));
+///
+/// The thread also has the session last, and closes it: zenoh panics where that is done in a runtime of one thread.
+fn end_session_with_daemon(session: &Session, watch: &Arc<Watch>) -> Result<Closing, ClientError> {
+    let (session, watched) = (session.clone(), Arc::clone(watch));
+    let (held, let_go) = channel::<()>();
     let wait = move || {
-        if watch.wait_for_the_end() {
+        if watched.wait_for_the_end() {
             drop(session.close().wait());
         }
+        // Nothing is ever sent: it ends when the other end goes.
+        let _ = let_go.recv();
+        drop(session);
     };
-    let started = thread::Builder::new().name("sturz-loss".into()).spawn(wait);
-    started.map(drop).map_err(|error| ClientError::bus("thread", error))
+    let thread = thread::Builder::new().name("sturz-loss".into()).spawn(wait);
+    let thread = thread.map_err(|error| ClientError::bus("thread", error))?;
+    Ok(Closing { held: Some(held), thread: Some(thread), watch: Arc::clone(watch) })
+}
+
+/// Lets the thread close the session, and waits for it where that is allowed and soon done.
+struct Closing {
+    held: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+    watch: Arc<Watch>,
+}
+
+impl Drop for Closing {
+    fn drop(&mut self) {
+        drop(self.held.take());
+        let runtime = Handle::try_current().map(|handle| handle.runtime_flavor());
+        let must_not_wait = runtime.is_ok_and(|flavor| flavor == RuntimeFlavor::CurrentThread);
+        if let Some(thread) = self.thread.take()
+            && !must_not_wait
+            && !self.watch.is_gone()
+        {
+            // What it has failed at is over.
+            drop(thread.join());
+        }
+    }
 }
 
 /// Puts replies into a queue, and ends it when zenoh drops it: then all replies are there.
-struct Receiver(Arc<Queue<Result<Vec<u8>, Vec<u8>>>>);
+struct Receiver(Arc<Queue<Payload>>);
 
 impl Receiver {
     fn take(&self, reply: Reply) {
         self.0.push(match reply.result() {
-            Ok(sample) => Ok(sample.payload().to_bytes().into_owned()),
-            Err(error) => Err(error.payload().to_bytes().into_owned()),
+            Ok(sample) => Ok(bytes_of(sample.payload())),
+            Err(error) => Err(bytes_of(error.payload())),
         });
     }
 }
@@ -266,6 +315,11 @@ impl Drop for Receiver {
     fn drop(&mut self) {
         self.0.end();
     }
+}
+
+/// In one piece: what is decoded out of it needs no copies of its own.
+fn bytes_of(payload: &ZBytes) -> Bytes {
+    payload.to_bytes().into_owned().into()
 }
 
 /// `state/latest` of `sturz/v1/drum/state/latest?columns=ids`.

@@ -1,17 +1,18 @@
-//! Blocking client of the Sturz daemon: steer a running simulation of granular matter, and look at it.
+//! Client of the Sturz daemon, blocking and asynchronous: steer a running simulation of granular matter, and look at it.
 //!
 //! | module | purpose |
 //! |---|---|
 //! | `simulation` | the connection, questions, streams |
 //! | `command`, `later` | what changes the simulation, at once or at a simulated time |
-//! | `request`, `loads`, `outcome` | what a command asks for, what became of it |
+//! | [`aio`] | the same for asynchronous code |
+//! | `call`, `request`, `loads`, `outcome` | what a command asks for, what became of it |
 //! | `state`, `contacts`, `field` | particles, their contacts and fields as arrays |
 //! | `stream`, `output` | frames as the daemon publishes them, and what they are to hold |
 //! | `bus`, `watch`, `queue` | the zenoh session: callbacks enqueue, callers wait |
 //! | `target`, `loss` | where the daemon is, certificates, and why it is gone |
 //!
-//! Units are SI and in the names. Every method may be called from any thread, and blocks until the daemon has
-//! answered; from asynchronous code, call it where blocking is allowed (`tokio::task::spawn_blocking`). What is small
+//! Units are SI and in the names. Every method of [`Simulation`] may be called from any thread, and blocks until the daemon
+//! has answered; those of [`aio::Simulation`] are awaited. What is small
 //! and plain comes as the message of the wire ([`v1`]); arrays are decoded.
 //!
 //! ```no_run
@@ -39,7 +40,9 @@
 
 #![deny(missing_docs)]
 
+pub mod aio;
 mod bus;
+mod call;
 mod command;
 mod contacts;
 mod error;

@@ -1,7 +1,9 @@
-//! A bounded queue between the bus, which must never wait, and a thread that may.
+//! A bounded queue between the bus, which must never wait, and a thread or task that may.
 
 use std::collections::VecDeque;
+use std::future::poll_fn;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
 use std::time::Instant;
 
 /// Keeps the newest items: a slow reader loses the oldest, and slows nobody down.
@@ -15,6 +17,8 @@ struct Content<T> {
     keep: usize,
     overwritten: u64,
     ended: bool,
+    /// Of tasks that wait.
+    wakers: Vec<Waker>,
 }
 
 /// What a reader gets.
@@ -37,7 +41,8 @@ pub(crate) trait End: Send + Sync {
 impl<T> Queue<T> {
     /// Holds at most `keep` items, at least one.
     pub(crate) fn new(keep: usize) -> Self {
-        let content = Content { items: VecDeque::new(), keep: keep.max(1), overwritten: 0, ended: false };
+        let content =
+            Content { items: VecDeque::new(), keep: keep.max(1), overwritten: 0, ended: false, wakers: Vec::new() };
         Self { content: Mutex::new(content), changed: Condvar::new() }
     }
 
@@ -61,8 +66,38 @@ impl<T> Queue<T> {
         }
         content.items.push_back(item);
         content.forget_oldest();
+        self.changed(content);
+    }
+
+    /// Wakes whoever waits, threads and tasks.
+    fn changed(&self, mut content: MutexGuard<'_, Content<T>>) {
+        let wakers = std::mem::take(&mut content.wakers);
         drop(content);
         self.changed.notify_all();
+        wakers.into_iter().for_each(Waker::wake);
+    }
+
+    /// The oldest item, for a task; nothing when all was read and nothing will follow.
+    pub(crate) fn poll_pop(&self, context: &mut Context<'_>) -> Poll<Option<T>> {
+        let mut content = self.lock();
+        if let Some(item) = content.items.pop_front() {
+            return Poll::Ready(Some(item));
+        }
+        if content.ended {
+            return Poll::Ready(None);
+        }
+        if !content.wakers.iter().any(|waker| waker.will_wake(context.waker())) {
+            content.wakers.push(context.waker().clone());
+        }
+        Poll::Pending
+    }
+
+    /// Waits for the oldest item without a thread. Dropped, it has taken none.
+    pub(crate) async fn popped(&self) -> Popped<T> {
+        match poll_fn(|context| self.poll_pop(context)).await {
+            Some(item) => Popped::Item(item),
+            None => Popped::Ended,
+        }
     }
 
     /// Takes the oldest item; waits for one until `deadline`, or for ever.
@@ -114,8 +149,9 @@ impl<T> Content<T> {
 
 impl<T: Send> End for Queue<T> {
     fn end(&self) {
-        self.lock().ended = true;
-        self.changed.notify_all();
+        let mut content = self.lock();
+        content.ended = true;
+        self.changed(content);
     }
 }
 

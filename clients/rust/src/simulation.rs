@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use prost::Message;
+use prost::bytes::Bytes;
 use sturz_protocol::keys::check_name;
 use sturz_protocol::v1;
 use zenoh::liveliness::LivelinessToken;
@@ -62,6 +63,11 @@ impl Client {
     pub(crate) fn note_time_s(&self, time_s: f64) {
         *self.time_s.lock().unwrap_or_else(PoisonError::into_inner) = Some(time_s);
     }
+
+    /// Nobody here knows the simulated time: it goes on unheard.
+    pub(crate) fn forget_time(&self) {
+        *self.time_s.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
 }
 
 impl Simulation {
@@ -95,8 +101,8 @@ impl Simulation {
     pub fn reconnect(&self, timeout: Duration) -> Result<Self, ClientError> {
         let bus = Bus::open(self.instance(), &self.bus.target, timeout)?;
         let client = Arc::clone(&self.client);
-        *client.token.lock().unwrap_or_else(PoisonError::into_inner) = None;
-        *client.time_s.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.hide_token();
+        client.forget_time();
         Ok(Self { bus: Arc::new(bus), client, patience: self.patience })
     }
 
@@ -123,7 +129,7 @@ impl Simulation {
 
     fn ask<M: Message + Default>(&self, selector: &str) -> Result<M, ClientError> {
         let question = self.bus.send(selector, None, Some(self.patience))?;
-        decode(&self.bus.answer(&question, Some(self.patience))?)
+        decode(self.bus.answer(&question, Some(self.patience))?)
     }
 
     /// What this simulation is, and where it stands.
@@ -155,19 +161,13 @@ impl Simulation {
 
     /// The particles now: columns such as `positions` (see `Features.columns`), or `all`. Ids are always there.
     pub fn state(&self, columns: &[&str], float_type: FloatType) -> Result<State, ClientError> {
-        // No columns would mean all of them to the daemon.
-        let columns = if columns.is_empty() { "ids".into() } else { columns.join("|") };
-        let selector = format!("{}?columns={columns};float={}", self.bus.keys.state_latest(), float_type.name());
-        Ok(State::new(self.ask(&selector)?))
+        Ok(State::new(self.ask(&selector(self.bus.keys.state_latest(), columns, float_type))?))
     }
 
     /// The contact network now: columns such as `points` (see `Features.contact_columns`), or `all`. Ids and boundaries are
     /// always there.
     pub fn contacts(&self, columns: &[&str], float_type: FloatType) -> Result<Contacts, ClientError> {
-        // No columns would mean all of them to the daemon.
-        let columns = if columns.is_empty() { "ids".into() } else { columns.join("|") };
-        let selector = format!("{}?columns={columns};float={}", self.bus.keys.contacts_latest(), float_type.name());
-        Ok(Contacts::new(self.ask(&selector)?))
+        Ok(Contacts::new(self.ask(&selector(self.bus.keys.contacts_latest(), columns, float_type))?))
     }
 
     /// A defined field, sampled now.
@@ -178,20 +178,20 @@ impl Simulation {
 
     /// States as the daemon publishes them; the newest 4 are kept for a slow reader.
     pub fn states(&self) -> Result<Stream<State>, ClientError> {
-        let decode = |bytes: &[u8]| decode(bytes).map(State::new);
+        let decode = |bytes: Bytes| decode(bytes).map(State::new);
         self.stream("state/frame", self.bus.keys.state_frame(), KEEP_FRAMES, decode)
     }
 
     /// The contact network as the daemon publishes it; the newest 4 frames are kept for a slow reader.
     pub fn contact_networks(&self) -> Result<Stream<Contacts>, ClientError> {
-        let decode = |bytes: &[u8]| decode(bytes).map(Contacts::new);
+        let decode = |bytes: Bytes| decode(bytes).map(Contacts::new);
         self.stream("contacts/frame", self.bus.keys.contacts_frame(), KEEP_FRAMES, decode)
     }
 
     /// Samples of a field as the daemon publishes them; the newest 4 are kept for a slow reader.
     pub fn fields(&self, name: &str) -> Result<Stream<Field>, ClientError> {
         check_name(name)?;
-        let decode = |bytes: &[u8]| decode(bytes).map(Field::new);
+        let decode = |bytes: Bytes| decode(bytes).map(Field::new);
         self.stream(&format!("field/{name}"), self.bus.keys.field(name), KEEP_FRAMES, decode)
     }
 
@@ -212,14 +212,21 @@ impl Simulation {
         name: &str,
         key: String,
         keep: usize,
-        decode: fn(&[u8]) -> Result<T, ClientError>,
+        decode: fn(Bytes) -> Result<T, ClientError>,
     ) -> Result<Stream<T>, ClientError> {
         Stream::open(&self.bus, Source { name: name.into(), key, is_events: false, keep, decode })
     }
 }
 
+/// Of a question for columns.
+pub(crate) fn selector(key: String, columns: &[&str], float_type: FloatType) -> String {
+    // No columns would mean all of them to the daemon.
+    let columns = if columns.is_empty() { "ids".into() } else { columns.join("|") };
+    format!("{key}?columns={columns};float={}", float_type.name())
+}
+
 /// A message of the wire.
-pub(crate) fn decode<M: Message + Default>(bytes: &[u8]) -> Result<M, ClientError> {
+pub(crate) fn decode<M: Message + Default>(bytes: Bytes) -> Result<M, ClientError> {
     let what = std::any::type_name::<M>().rsplit("::").next().unwrap_or_default();
     M::decode(bytes).map_err(|error| ClientError::unreadable(what, error))
 }

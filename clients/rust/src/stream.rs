@@ -1,10 +1,13 @@
 //! Frames as the daemon publishes them: a bounded queue that forgets the oldest, and counts what was lost where.
 
+use std::future::poll_fn;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
 use prost::Message;
+use prost::bytes::Bytes;
 use sturz_protocol::v1;
 
 use crate::bus::{Bus, Subscription};
@@ -19,7 +22,7 @@ pub struct Stream<T> {
     // First: nothing comes in while the rest is dropped.
     _subscription: Subscription,
     inlet: Arc<Inlet>,
-    decode: fn(&[u8]) -> Result<T, ClientError>,
+    decode: fn(Bytes) -> Result<T, ClientError>,
     name: String,
     bus: Arc<Bus>,
 }
@@ -48,7 +51,7 @@ pub(crate) struct Source<T> {
     /// Frames to keep.
     pub(crate) keep: usize,
     /// From bytes.
-    pub(crate) decode: fn(&[u8]) -> Result<T, ClientError>,
+    pub(crate) decode: fn(Bytes) -> Result<T, ClientError>,
 }
 
 impl<T> Stream<T> {
@@ -87,8 +90,12 @@ impl<T> Stream<T> {
     /// [`ClientError::Timeout`] when none comes within `patience`, [`ClientError::DaemonGone`] when the daemon is gone
     /// and all that came before was read.
     pub fn next_within(&mut self, patience: Duration) -> Result<T, ClientError> {
-        match self.inlet.frames.pop(Some(Instant::now() + patience)) {
-            Popped::Item(payload) => (self.decode)(&payload),
+        self.read(self.inlet.frames.pop(Some(Instant::now() + patience)), patience)
+    }
+
+    pub(crate) fn read(&self, popped: Popped<Bytes>, patience: Duration) -> Result<T, ClientError> {
+        match popped {
+            Popped::Item(payload) => (self.decode)(payload),
             Popped::Ended => Err(self.bus.gone()),
             Popped::TimedOut => {
                 Err(ClientError::Timeout { what: self.name.clone(), after: patience, request_id: None })
@@ -96,9 +103,24 @@ impl<T> Stream<T> {
         }
     }
 
+    /// The oldest frame that was not read, for a task; nothing when the daemon is gone and all was read.
+    pub(crate) fn poll_popped(&self, context: &mut Context<'_>) -> Poll<Option<Result<T, ClientError>>> {
+        self.inlet.frames.poll_pop(context).map(|payload| payload.map(|payload| (self.decode)(payload)))
+    }
+
+    /// The same, awaited.
+    pub(crate) async fn popped(&self) -> Option<Result<T, ClientError>> {
+        poll_fn(|context| self.poll_popped(context)).await
+    }
+
+    /// Where it comes from.
+    pub(crate) fn bus(&self) -> Arc<Bus> {
+        Arc::clone(&self.bus)
+    }
+
     /// The newest frame that was not read, and none older; `None` when there is none. Never waits.
     pub fn latest(&mut self) -> Option<Result<T, ClientError>> {
-        self.inlet.frames.pop_newest().map(|payload| (self.decode)(&payload))
+        self.inlet.frames.pop_newest().map(|payload| (self.decode)(payload))
     }
 
     /// What came and what did not.
@@ -118,7 +140,7 @@ impl<T> Iterator for Stream<T> {
 
     fn next(&mut self) -> Option<Self::Item> {
         match self.inlet.frames.pop(None) {
-            Popped::Item(payload) => Some((self.decode)(&payload)),
+            Popped::Item(payload) => Some((self.decode)(payload)),
             Popped::Ended | Popped::TimedOut => None,
         }
     }
@@ -126,7 +148,7 @@ impl<T> Iterator for Stream<T> {
 
 /// Where the bus puts what comes in.
 struct Inlet {
-    frames: Queue<Vec<u8>>,
+    frames: Queue<Bytes>,
     sequence: Mutex<Sequence>,
     is_counted: bool,
     missed: AtomicU64,
@@ -138,8 +160,8 @@ impl Inlet {
     }
 
     /// Called by the bus, on its threads: reads no more than the header, and enqueues.
-    fn take(&self, payload: Vec<u8>) {
-        let header = Headed::decode(payload.as_slice()).ok().and_then(|message| message.header);
+    fn take(&self, payload: Bytes) {
+        let header = Headed::decode(payload.clone()).ok().and_then(|message| message.header);
         let mut sequence = self.sequence();
         sequence.received += 1;
         if let (Some(header), true) = (header, self.is_counted) {
@@ -208,7 +230,7 @@ mod tests {
 
     fn frame(seq: u64) -> Vec<u8> {
         let header = v1::Header { run_id: "r".into(), seq, ..Default::default() };
-        let column = v1::Column { name: "ids".into(), data: vec![0; 80], ..Default::default() };
+        let column = v1::Column { name: "ids".into(), data: vec![0; 80].into(), ..Default::default() };
         v1::Frame { header: Some(header), n: 10, columns: vec![column], ..Default::default() }.encode_to_vec()
     }
 
@@ -216,8 +238,8 @@ mod tests {
     fn losses_are_counted_where_they_happen() {
         let inlet =
             Inlet { frames: Queue::new(2), sequence: Mutex::default(), is_counted: true, missed: AtomicU64::new(0) };
-        [0, 1, 4, 5].into_iter().for_each(|seq| inlet.take(frame(seq)));
-        inlet.take(b"no message".to_vec());
+        [0, 1, 4, 5].into_iter().for_each(|seq| inlet.take(frame(seq).into()));
+        inlet.take(Bytes::from_static(b"no message"));
         let sequence = inlet.sequence();
         assert_eq!((sequence.received, sequence.lost, inlet.frames.overwritten()), (5, 2, 3));
     }

@@ -350,3 +350,34 @@ fn a_full_disk_holds_the_run_and_loses_nothing() {
     fs::remove_file(scene).unwrap();
     fs::remove_dir_all(journal).unwrap();
 }
+
+/// The log holds no copies of files that came from elsewhere: a replay says which one is not that of then.
+#[test]
+fn a_replay_names_the_checkpoint_file_that_was_written_over() {
+    let files = folder("rewritten-files");
+    let other = Daemon::serve("elsewhere", BOX, &["--checkpoints", files.to_str().unwrap()]);
+    let elsewhere = other.connect();
+    for token in ["a", "b"] {
+        elsewhere.step(20).unwrap();
+        elsewhere.checkpoint_on_disk(token).unwrap();
+    }
+    let journal = folder("rewritten");
+    let mut daemon = journaled("rewritten", &journal, &[]);
+    let file = journal.join("checkpoints").join("a.checkpoint");
+    let put = |token: &str| assert!(fs::copy(files.join(format!("{token}.checkpoint")), &file).unwrap() > 0);
+    put("a");
+    let simulation = daemon.connect();
+    simulation.restore("a").unwrap();
+    simulation.step(30).unwrap();
+    daemon.kill();
+    put("b");
+    let (is_content, said) = replay(&journal, "1");
+    assert!(!is_content && said.contains("\"a\", which has been written over since: it holds step 40"), "{said}");
+    fs::remove_file(&file).unwrap();
+    let (is_content, said) = replay(&journal, "1");
+    assert!(!is_content && said.contains("\"a\", which is no more there"), "{said}");
+    put("a");
+    let (is_content, said) = replay(&journal, "1");
+    assert!(is_content, "{said}");
+    [journal, files].iter().for_each(|folder| fs::remove_dir_all(folder).unwrap());
+}

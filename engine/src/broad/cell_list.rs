@@ -34,7 +34,8 @@ impl CellList {
         if rows.is_empty() {
             (min, max) = (Vec3::zeros(), Vec3::zeros());
         }
-        let extent = max - min;
+        // Two particles may be farther apart than there are numbers.
+        let extent = (max - min).map(|length| length.min(f64::MAX));
         let most = CELLS_PER_ROW * rows.len() as f64 + 64.0;
         let mut size = size;
         let cells = |size: f64| extent.map(|length| (length / size).floor() + 1.0);
@@ -112,7 +113,7 @@ impl CellList {
             if high < 0.0 || low >= self.counts[axis] as f64 {
                 return 0..0;
             }
-            low.max(0.0) as usize..(high as usize + 1).min(self.counts[axis])
+            low.max(0.0) as usize..(high as usize).saturating_add(1).min(self.counts[axis])
         });
         let [along_x, along_y, along_z] = cells;
         let along_z = if along_x.is_empty() { 0..0 } else { along_z };

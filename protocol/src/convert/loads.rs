@@ -37,7 +37,7 @@ fn rows<T: Number, const C: usize>(
 }
 
 fn flat<T: Number>(column: &Option<v1::Column>, path: &str, name: &str) -> Result<Vec<T>, InvalidInput> {
-    Ok(rows::<T, 1>(column, path, name)?.into_iter().flatten().collect())
+    Ok(rows::<T, 1>(column, path, name)?.into_flattened())
 }
 
 #[cfg(test)]

@@ -86,7 +86,12 @@ impl File {
     fn read(path: &Path) -> Result<Self, String> {
         let at = |error: &dyn fmt::Display| format!("--settings {}: {error}", path.display());
         let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
-        let table: Table = toml::from_str(&text).map_err(|error| at(&error))?;
+        Self::of(path, &text)
+    }
+
+    fn of(path: &Path, text: &str) -> Result<Self, String> {
+        let at = |error: &dyn fmt::Display| format!("--settings {}: {error}", path.display());
+        let table: Table = toml::from_str(text).map_err(|error| at(&error))?;
         let mut file = Self { path: path.into(), ..Self::default() };
         for (name, value) in table {
             if let ("limits", Value::Table(limits)) = (name.as_str(), &value) {
@@ -251,6 +256,11 @@ fn value(kind: Kind, mut texts: Vec<String>) -> Value {
         },
         _ => text.into(),
     }
+}
+
+/// What is wrong with the text of a file of settings, before its values are looked at as flags.
+pub fn check_file(path: &Path, text: &str) -> Result<(), String> {
+    File::of(path, text).map(drop)
 }
 
 /// Reads a command line, and the file of settings that it names.

@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use sturz_protocol::keys::check_name;
 use sturz_protocol::v1;
 use thiserror::Error;
 
@@ -186,6 +187,8 @@ impl Exporter {
 
     /// A field.
     pub fn field(&mut self, field: &v1::FieldFrame) -> Result<(), ExportError> {
+        // It becomes the name of files.
+        check_name(&field.name).map_err(|problem| ExportError::Message(format!("a field: {problem}")))?;
         let (name, time_s) = (format!("field_{}", field.name), time_of(&field.header));
         if !self.options.fields || !self.pick(&name, time_s) {
             return Ok(());

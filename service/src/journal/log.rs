@@ -140,6 +140,11 @@ impl LogWriter {
         self.file.sync_data()
     }
 
+    /// The file, for a thread that syncs it.
+    pub fn handle(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
     /// Which file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -182,8 +187,13 @@ impl SegmentReader {
     /// Reads a file, whose head must be whole unless it is torn.
     pub fn open(segment: &Segment) -> Result<Self, LogError> {
         let path = segment.path.clone();
-        let bytes = fs::read(&path).map_err(|source| LogError::Disk { path: path.clone(), source })?;
-        let mut reader = Self { path, bytes, at: 0, next: segment.first };
+        let bytes = fs::read(&path).map_err(|source| LogError::Disk { path, source })?;
+        Self::of(segment, bytes)
+    }
+
+    /// The same of what such a file would hold.
+    pub fn of(segment: &Segment, bytes: Vec<u8>) -> Result<Self, LogError> {
+        let mut reader = Self { path: segment.path.clone(), bytes, at: 0, next: segment.first };
         if reader.bytes.len() >= HEAD_BYTES && !is_zero(&reader.bytes) {
             reader.check_head(segment.first)?;
             reader.at = HEAD_BYTES;

@@ -18,6 +18,7 @@ pub mod record;
 mod replay;
 pub mod snapshot;
 mod state;
+mod syncer;
 pub mod writer;
 
 use std::fs::{self, File};
@@ -36,6 +37,7 @@ use crate::journal::writer::{Disk, JournalWriter, Message, Replies};
 use crate::mailbox::Mailbox;
 
 pub use replay::{Replayed, replay};
+pub use state::order_of;
 
 /// When the log is forced to the disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]

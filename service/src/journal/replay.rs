@@ -3,9 +3,9 @@
 use std::fs::File;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, anyhow, bail, ensure};
 use serde::Serialize;
-use sturz_engine::Engine;
+use sturz_engine::{CheckpointSummary, Engine};
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 use tokio::sync::{mpsc, oneshot};
@@ -124,10 +124,6 @@ impl Runner<'_> {
         let start = Start { is_first: next == 0, ..start };
         self.begin_serving(&start);
         self.post(Entry::Start(start));
-        if next == 0 && self.moment().step > 0 {
-            // It starts from a checkpoint, which the log alone does not know.
-            self.save_snapshot();
-        }
         Ok(())
     }
 
@@ -191,6 +187,11 @@ impl Runner<'_> {
             self.memory.remember(order.fingerprint, outcome.clone());
             return Ok(());
         }
+        if let Some(Wire::Restored(v1::Restored { checkpoint: Some(then) })) =
+            accepted.outcome.as_ref().and_then(|outcome| outcome.result.as_ref())
+        {
+            self.check_file_is_there(then)?;
+        }
         let (reply, answer) = oneshot::channel();
         replay.waiting.push((key.clone(), answer));
         self.receive(order, reply);
@@ -198,6 +199,31 @@ impl Runner<'_> {
             Some(outcome) => replay.compare(&key, outcome),
             None => Ok(()),
         }
+    }
+
+    /// Refuses to go back to another state than the run did: a log holds no copies of checkpoint files.
+    fn check_file_is_there(&self, then: &v1::Checkpoint) -> anyhow::Result<()> {
+        if !then.on_disk {
+            return Ok(());
+        }
+        let (token, step) = (&then.token, then.step);
+        let bytes = self.checkpoints.bytes(token);
+        let bytes = bytes.map_err(|error| {
+            anyhow!(
+                "the run went back to step {step} by the checkpoint file {token:?}, which is no more there ({})",
+                error.message
+            )
+        })?;
+        let now =
+            CheckpointSummary::read(&bytes).map_err(|failure| anyhow!("the checkpoint file {token:?} {failure}"))?;
+        ensure!(
+            now.state_hash == then.state_hash,
+            "the run went back to step {step} by the checkpoint file {token:?}, which has been written over since: it holds \
+             step {}; with the file of then (state hash {:016x}) there, the replay goes on",
+            now.step,
+            then.state_hash
+        );
+        Ok(())
     }
 
     fn replay_settled(&mut self, logged: &v1::Outcome, replay: &mut Replay) -> anyhow::Result<()> {

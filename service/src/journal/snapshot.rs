@@ -67,7 +67,8 @@ impl Snapshot {
         Self::from_bytes(&bytes).with_context(|| format!("the snapshot {} cannot be used", path.display()))
     }
 
-    fn from_bytes(bytes: &Bytes) -> anyhow::Result<Self> {
+    /// The same of what such a file holds.
+    pub fn from_bytes(bytes: &Bytes) -> anyhow::Result<Self> {
         ensure!(bytes.len() >= HEAD_BYTES + CHECKSUM_BYTES && bytes.starts_with(MAGIC), "it is no snapshot, or cut");
         let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|k| bytes[at + k]));
         let format = u32::from_le_bytes(std::array::from_fn(|k| bytes[8 + k]));

@@ -61,7 +61,10 @@ impl Runner<'_> {
     }
 
     /// Goes to a snapshot. `hear` gets where the outcomes of what was under way will come.
-    pub(crate) fn load_snapshot(
+    ///
+    /// # Errors
+    /// A part of it cannot be: the runner is then of no use.
+    pub fn load_snapshot(
         &mut self,
         snapshot: Snapshot,
         mut hear: impl FnMut(RequestKey, oneshot::Receiver<Answer>),
@@ -130,11 +133,11 @@ impl Runner<'_> {
 }
 
 /// The order of an accepted command.
-pub(crate) fn order_of(command: &Accepted) -> anyhow::Result<Order> {
+pub fn order_of(command: &Accepted) -> anyhow::Result<Order> {
     let verb = Verb::ALL.iter().find(|verb| verb.name() == command.verb);
     let verb = *verb.with_context(|| format!("there is no command {:?}", command.verb))?;
     // What was accepted under one limit is not refused under another.
-    Order::read(verb, &command.request, &Limits::none())
+    Order::read(verb, command.request.clone(), &Limits::none())
         .map_err(|refusal| anyhow!("the command {} cannot be read: {}", command.verb, refusal.error.message))
 }
 

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use crate::journal::log::{LogWriter, frame, segments};
 use crate::journal::record::Record;
 use crate::journal::snapshot::{Snapshot, SnapshotWriter, Written};
+use crate::journal::syncer::Syncer;
 use crate::journal::{Folder, Fsync, Keep};
 use crate::mailbox::{Answer, Mailbox, ReplyTo};
 
@@ -34,6 +35,8 @@ pub enum Message {
     Entry(Option<Box<Record>>, Replies),
     /// Make the log safe, then the snapshot.
     Snapshot(Box<Snapshot>),
+    /// What was written of late could not be made safe.
+    Unsafe(io::Error),
     /// A snapshot was written: this record is the first that the oldest one kept needs.
     Needed(u64),
     /// All was told.
@@ -102,10 +105,13 @@ impl JournalWriter {
         };
         let snapshots = SnapshotWriter::start(folder.snapshots(), done)?;
         let log = LogWriter::create(&folder.log(), next)?;
+        let for_syncer = messages.clone();
+        let syncer = Syncer::start(move |failure| drop(for_syncer.send(Message::Unsafe(failure))))?;
         let (keep, fsync) = (folder.keep, folder.fsync);
         let writer = Writer {
             folder: folder.log(),
             log,
+            syncer,
             snapshots,
             disk: Arc::clone(&disk),
             mailbox,
@@ -141,6 +147,7 @@ impl Drop for JournalWriter {
 struct Writer {
     folder: PathBuf,
     log: LogWriter,
+    syncer: Syncer,
     snapshots: SnapshotWriter,
     disk: Arc<Disk>,
     mailbox: Mailbox,
@@ -162,7 +169,7 @@ impl Writer {
             let mut next = match first {
                 Ok(message) => Some(message),
                 Err(RecvTimeoutError::Timeout) => {
-                    self.sync();
+                    self.sync_beside();
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
@@ -187,6 +194,11 @@ impl Writer {
             self.write(&mut bytes, &mut replies);
             match after {
                 Some(Message::Snapshot(snapshot)) => self.snapshot(*snapshot),
+                Some(Message::Unsafe(failure)) => {
+                    tracing::warn!("the journal was not synced, and is once more: {failure}");
+                    self.unsynced.get_or_insert_with(Instant::now);
+                    self.sync();
+                }
                 Some(Message::Needed(oldest)) => self.drop_unneeded(oldest),
                 Some(Message::Close) => break,
                 Some(Message::Entry(..)) | None => {}
@@ -213,6 +225,14 @@ impl Writer {
         }
     }
 
+    /// Has what was written made safe by another thread.
+    fn sync_beside(&mut self) {
+        let is_begun = self.log.handle().is_ok_and(|file| self.syncer.begin(file));
+        // Where the disk is not done with the last second, this one waits a second more.
+        self.unsynced = (!is_begun).then(Instant::now);
+    }
+
+    /// Waits until what was written is safe.
     fn sync(&mut self) {
         if self.unsynced.take().is_some() {
             self.until_done(|log| log.sync());

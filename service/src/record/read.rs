@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{Read as _, Seek as _, SeekFrom};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -74,10 +74,10 @@ pub enum RecordingError {
     },
 }
 
-/// An open recording.
-pub struct Recording {
+/// An open recording: a file, or any other bytes.
+pub struct Recording<S = File> {
     path: PathBuf,
-    file: File,
+    source: S,
     reader: LinearReader,
     bytes: u64,
     schemas: HashMap<u16, String>,
@@ -91,16 +91,23 @@ pub struct Recording {
 impl Recording {
     /// Opens a file and looks at both ends of it.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::open(path).map_err(|error| RecordingError::Io { path: path.into(), error })?;
+        Self::of(path, file)
+    }
+}
+
+impl<S: Read + Seek> Recording<S> {
+    /// The same of what a file of this path would hold.
+    pub fn of(path: &Path, mut source: S) -> Result<Self, RecordingError> {
         let io = |error| RecordingError::Io { path: path.into(), error };
-        let mut file = File::open(path).map_err(io)?;
         let mut magic = [0; MAGIC.len()];
-        if file.read_exact(&mut magic).is_err() || magic != MAGIC {
+        if source.read_exact(&mut magic).is_err() || magic != MAGIC {
             return Err(RecordingError::NotMcap { path: path.into() });
         }
-        let tail = file.seek(SeekFrom::End(-(MAGIC.len() as i64))).map_err(io)?;
-        file.read_exact(&mut magic).map_err(io)?;
+        let tail = source.seek(SeekFrom::End(-(MAGIC.len() as i64))).map_err(io)?;
+        source.read_exact(&mut magic).map_err(io)?;
         let finished = tail >= MAGIC.len() as u64 && magic == MAGIC;
-        file.rewind().map_err(io)?;
+        source.rewind().map_err(io)?;
         let options = LinearReaderOptions::default()
             // Before any message of a chunk is believed.
             .with_prevalidate_chunk_crcs(true)
@@ -109,7 +116,7 @@ impl Recording {
             .with_record_length_limit(RECORD_BYTES);
         Ok(Self {
             path: path.into(),
-            file,
+            source,
             reader: LinearReader::new_with_options(options),
             bytes: 0,
             schemas: HashMap::new(),
@@ -149,7 +156,7 @@ impl Recording {
                 Some(Err(error)) => return Err(self.fail(&error)),
                 Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
                     // A damaged length asks for any number of bytes.
-                    let read = self.file.read(self.reader.insert(wanted.min(READ_BYTES)));
+                    let read = self.source.read(self.reader.insert(wanted.min(READ_BYTES)));
                     let read = read.map_err(|error| RecordingError::Io { path: self.path.clone(), error })?;
                     self.reader.notify_read(read);
                     self.bytes += read as u64;

@@ -1,11 +1,4 @@
-//! Text as a Rockable shape file: shapes or an error.
+//! See `sturz_tests::decoders`.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use sturz_engine::shape::{Shape, rockable_shapes};
-
-fuzz_target!(|text: &str| {
-    for shape in rockable_shapes(text).into_iter().flatten() {
-        let _ = Shape::build(&shape.description);
-    }
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| sturz_tests::decoders::read("rockable", bytes));

@@ -1,11 +1,4 @@
-//! Text as a scene file: a scene or a list of what is wrong.
+//! See `sturz_tests::decoders`.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use sturz_engine::scene::{Scene, SceneDescription};
-
-fuzz_target!(|text: &str| {
-    if let Ok(description) = SceneDescription::from_toml(text) {
-        let _ = Scene::validate(description);
-    }
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| sturz_tests::decoders::read("scene", bytes));

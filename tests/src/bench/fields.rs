@@ -39,15 +39,19 @@ fn bed(side: u32, threads: usize) -> anyhow::Result<Engine> {
     Ok(engine)
 }
 
+const FLOW: [Q; 3] = [Q::SolidFraction, Q::Velocity, Q::GranularTemperature];
+const SCALE_FREE: [Q; 3] = [Q::KineticStress, Q::KineticStressScaleFree, Q::ShearRate];
+
+/// Name, cells, quantities, further widths over the radius.
+type Asked = (&'static str, [u32; 3], &'static [Q], &'static [f64]);
+
 /// Costs of some fields of `side`^3 balls, each the median of `samples`.
 pub fn field_costs(side: u32, threads: usize, samples: usize) -> anyhow::Result<Vec<FieldCost>> {
     let mut engine = bed(side, threads)?;
     let size = f64::from(side) * 2.0 * RADIUS * SPACING;
-    let flow = [Q::SolidFraction, Q::Velocity, Q::GranularTemperature];
-    let scale_free = [Q::KineticStress, Q::KineticStressScaleFree, Q::ShearRate];
-    let fields: [(&str, [u32; 3], &[Q], &[f64]); 7] = [
-        ("profile: flow", [1, 1, 50], &flow, &[]),
-        ("profile: T^k", [1, 1, 50], &scale_free, &[]),
+    let fields: [Asked; 7] = [
+        ("profile: flow", [1, 1, 50], &FLOW, &[]),
+        ("profile: T^k", [1, 1, 50], &SCALE_FREE, &[]),
         ("profile: contact stress", [1, 1, 50], &[Q::ContactStress], &[]),
         (
             "profile: all of these, 4 widths",
@@ -56,7 +60,7 @@ pub fn field_costs(side: u32, threads: usize, samples: usize) -> anyhow::Result<
             &[1.5, 2.0, 2.5],
         ),
         ("profile: solid fraction of shapes", [1, 1, 50], &[Q::SolidFractionOfShapes], &[]),
-        ("volume: flow", [side, side, side], &flow, &[]),
+        ("volume: flow", [side, side, side], &FLOW, &[]),
         ("volume: contact stress", [side, side, side], &[Q::ContactStress], &[]),
     ];
     let mut costs = Vec::new();

@@ -71,6 +71,11 @@ impl Daemon {
         self.process.id()
     }
 
+    /// CPU time of all its threads so far, s.
+    pub fn cpu_s(&self) -> anyhow::Result<f64> {
+        cpu_s(&self.pid().to_string())
+    }
+
     /// Largest memory that the process has had, bytes.
     pub fn peak_bytes(&self) -> anyhow::Result<u64> {
         let status = fs::read_to_string(format!("/proc/{}/status", self.pid()))?;
@@ -78,6 +83,20 @@ impl Daemon {
         let kilobytes: u64 = line.trim().trim_end_matches(" kB").parse()?;
         Ok(1024 * kilobytes)
     }
+}
+
+/// CPU time of all threads of this process so far, s.
+pub fn own_cpu_s() -> anyhow::Result<f64> {
+    cpu_s("self")
+}
+
+/// Threads that have ended included; in hundredths of a second, as the kernel tells it.
+fn cpu_s(process: &str) -> anyhow::Result<f64> {
+    let text = fs::read_to_string(format!("/proc/{process}/stat"))?;
+    // The second field is the program's name in brackets, which may hold blanks; user and system time are 14 and 15.
+    let fields = text.rsplit_once(')').context("stat has a name")?.1.split_whitespace();
+    let ticks: f64 = fields.skip(11).take(2).map(|field| field.parse::<f64>().unwrap_or(f64::NAN)).sum();
+    Ok(ticks / 100.0)
 }
 
 impl Drop for Daemon {

@@ -1,8 +1,8 @@
 //! What a service must survive: kills, damaged files, hostile messages, crowds of listeners. One id a check.
 
 mod bus;
-mod chance;
-mod daemon;
+pub(crate) mod chance;
+pub(crate) mod daemon;
 mod damage;
 mod kills;
 mod listeners;
