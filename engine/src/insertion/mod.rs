@@ -126,8 +126,12 @@ impl<'a> Request<'a> {
 
     /// A particle whose given frame has this pose, of a random size.
     fn particle(&self, id: u64, given_position: Vec3, given_orientation: Quat) -> NewParticle {
-        let scale = self.scale.draw(&mut Draw::new(self.seed, id, Purpose::Scale));
-        self.particle_of_scale(id, scale, (given_position, given_orientation))
+        self.particle_of_scale(id, self.draw_scale(id), (given_position, given_orientation))
+    }
+
+    /// Its size: some laws take long over it, and random placements try many places for one.
+    fn draw_scale(&self, id: u64) -> f64 {
+        self.scale.draw(&mut Draw::new(self.seed, id, Purpose::Scale))
     }
 
     fn particle_of_scale(&self, id: u64, scale: f64, (given_position, given_orientation): (Vec3, Quat)) -> NewParticle {

@@ -76,8 +76,9 @@ impl Request<'_> {
             let id = surroundings.first_id + particles.len() as u64;
             let mut draw = Draw::new(self.seed, id, Purpose::Position);
             let orientation = self.orientation(id, !fixed_orientation);
+            let scale = self.draw_scale(id);
             let placed = (0..*attempts).find_map(|_| {
-                let candidate = self.particle(id, draw_point(region, &mut draw), orientation);
+                let candidate = self.particle_of_scale(id, scale, (draw_point(region, &mut draw), orientation));
                 (is_inside(region, &candidate) && space.is_free(&candidate)).then_some(candidate)
             });
             let Some(particle) = placed else {

@@ -12,7 +12,12 @@ use mcap::{MAGIC, McapError};
 use thiserror::Error;
 
 /// Longest record believed: a damaged length must not fill the memory. Frames are far smaller.
-const RECORD_BYTES: usize = 1 << 31;
+const RECORD_BYTES: u64 = 1 << 31;
+
+/// What is believed in a small file, and how many times the file's own length in a larger one: nothing that is worth
+/// recording is compressed by more.
+const SMALL_RECORD_BYTES: u64 = 1 << 26;
+const MOST_COMPRESSED: u64 = 1 << 10;
 
 /// Read at a time.
 const READ_BYTES: usize = 1 << 20;
@@ -108,12 +113,13 @@ impl<S: Read + Seek> Recording<S> {
         source.read_exact(&mut magic).map_err(io)?;
         let finished = tail >= MAGIC.len() as u64 && magic == MAGIC;
         source.rewind().map_err(io)?;
+        let longest = tail.saturating_mul(MOST_COMPRESSED).clamp(SMALL_RECORD_BYTES, RECORD_BYTES);
         let options = LinearReaderOptions::default()
             // Before any message of a chunk is believed.
             .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true)
-            .with_record_length_limit(RECORD_BYTES);
+            .with_record_length_limit(longest as usize);
         Ok(Self {
             path: path.into(),
             source,
