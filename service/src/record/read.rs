@@ -1,12 +1,13 @@
 //! Reads recordings from front to end, in bounded memory, whole or cut.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap::records::{MessageHeader, Record};
+use mcap::records::{MessageHeader, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 use thiserror::Error;
@@ -168,9 +169,13 @@ impl<S: Read + Seek> Recording<S> {
                     self.bytes += read as u64;
                     continue;
                 }
-                Some(Ok(LinearReadEvent::Record { opcode, data })) => {
-                    mcap::parse_record(opcode, data).map(Record::into_owned)
-                }
+                Some(Ok(LinearReadEvent::Record { opcode, data })) => match opcode {
+                    op::SCHEMA | op::CHANNEL if !texts_fit(opcode, data) => Err(McapError::UnexpectedEoc),
+                    op::SCHEMA | op::CHANNEL | op::MESSAGE => mcap::parse_record(opcode, data).map(Record::into_owned),
+                    // What surrounds and follows the messages repeats what they say.
+                    op::HEADER..=op::DATA_END => continue,
+                    opcode => Ok(Record::Unknown { opcode, data: Cow::Owned(Vec::new()) }),
+                },
             };
             match parsed {
                 Err(error) => return Err(self.fail(&error)),
@@ -216,11 +221,35 @@ impl<S: Read + Seek> Recording<S> {
                 let reason = format!("a record of the unknown kind {opcode:#04x}");
                 return Err(RecordingError::Damaged { path: self.path.clone(), byte: self.bytes, reason });
             }
-            // What follows the data repeats it.
+            // Not handed on by `read`.
             _ => {}
         }
         Ok(None)
     }
+}
+
+/// Whether the texts of a schema or a channel end within it: the `mcap` crate makes room for them before it looks.
+fn texts_fit(opcode: u8, data: &[u8]) -> bool {
+    /// What follows a text.
+    fn behind(data: &[u8]) -> Option<&[u8]> {
+        let (length, rest) = data.split_first_chunk()?;
+        rest.get(u32::from_le_bytes(*length) as usize..)
+    }
+    // the id of a schema; the ids of a channel and its schema
+    let ids = if opcode == op::SCHEMA { 2 } else { 4 };
+    let Some(rest) = data.get(ids..).and_then(behind).and_then(behind) else { return false };
+    if opcode == op::SCHEMA {
+        return behind(rest).is_some();
+    }
+    // a map: its length in bytes, then names and values
+    let Some(mut entries) = rest.get(4..) else { return false };
+    while !entries.is_empty() {
+        match behind(entries).and_then(behind) {
+            Some(rest) => entries = rest,
+            None => return false,
+        }
+    }
+    true
 }
 
 /// Instance and the rest of `sturz/v1/<instance>/<tail>`.
@@ -287,6 +316,25 @@ mod tests {
             }
         }
         assert_eq!(last, 3);
+    }
+
+    /// Found by the target `recording`: 4 GB were asked for.
+    #[test]
+    fn texts_that_are_longer_than_their_record_are_seen() {
+        let text = |length: u32, text: &str| [&length.to_le_bytes()[..], text.as_bytes()].concat();
+        let schema = [&[1, 0][..], &text(5, "Frame"), &text(8, "protobuf"), &text(2, "ab")].concat();
+        assert!(texts_fit(op::SCHEMA, &schema));
+        let entry = [text(1, "k"), text(1, "v")].concat();
+        let map = [&(entry.len() as u32).to_le_bytes()[..], &entry].concat();
+        let channel = [&[1, 0, 1, 0][..], &text(3, "a/b"), &text(8, "protobuf"), &map].concat();
+        assert!(texts_fit(op::CHANNEL, &channel));
+        for (opcode, record) in [(op::SCHEMA, schema), (op::CHANNEL, channel)] {
+            (0..record.len())
+                .for_each(|cut| assert!(cut == record.len() - entry.len() || !texts_fit(opcode, &record[..cut])));
+            let mut long = record.clone();
+            long[if opcode == op::SCHEMA { 5 } else { 7 }] = 0xff;
+            assert!(!texts_fit(opcode, &long));
+        }
     }
 
     #[test]
