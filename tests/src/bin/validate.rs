@@ -112,9 +112,13 @@ fn reported(arguments: &Arguments, cases: &[Case], data: &Path, path: &Path) -> 
     }
     page.write()?;
     let sturz = std::env::current_exe()?.with_file_name("sturz");
+    let studies = arguments.keep.join("studies");
     for study in STUDIES.iter().filter(|study| study.tier <= arguments.tier) {
+        if arguments.only_kept && study.tier > Tier::Fast && !study.is_kept(&studies) {
+            continue;
+        }
         println!("study: {}", study.title);
-        page.studies.push(study.run(&sturz, &arguments.keep.join("studies"))?);
+        page.studies.push(study.run(&sturz, &studies)?);
         page.write()?;
     }
     let folder = arguments.keep.join("papers");

@@ -65,67 +65,65 @@ pub const STUDIES: &[Study] = &[
     },
     Study {
         name: "packing",
-        title: "Packing: mean height of a settled layer of pinacoids, over seeds",
+        title: "Packing: mean height of a layer of pinacoids after 0.25 s, over seeds",
         tier: Tier::Nightly,
         arguments: &[
             "pinacoid-layer",
             "--vary",
-            "time_step=x2,x1,x0.5",
+            "time_step=x2,x1",
             "--measure",
             "mean_height",
+            "--time",
+            "0.25",
             "--seeds",
             "--samples",
-            "4",
+            "3",
             "--error",
             "0.02",
-            "--threads",
-            "2",
         ],
     },
     Study {
         name: "slope",
-        title: "Slope: kinetic energy of flowing rods, over seeds, averaged",
+        title: "Slope: kinetic energy of flowing rods, over seeds, averaged from 0.3 to 0.5 s",
         tier: Tier::Nightly,
         arguments: &[
             "spherocylinder-slope",
             "--vary",
-            "time_step=x2,x1,x0.5",
+            "time_step=x2,x1",
             "--measure",
             "kinetic_energy",
             "--time",
-            "1.0",
+            "0.5",
             "--average-from",
-            "0.8",
+            "0.3",
             "--seeds",
             "--samples",
             "4",
             "--error",
             "0.05",
-            "--threads",
-            "2",
         ],
     },
     Study {
         name: "drum",
-        title: "Drum: torque on a drum of spheres, over seeds, averaged",
+        title: "Drum: mean height of the spheres in a turning drum, over seeds, averaged from 0.5 to 1 s",
         tier: Tier::Nightly,
         arguments: &[
             "drum-spheres",
             "--vary",
-            "time_step=x2,x1,stiffness=x1,x4",
+            "time_step=x2,x1",
             "--measure",
-            "torque_on[drum]",
+            "mean_height",
             "--time",
-            "3.0",
-            "--average-from",
             "1.0",
+            "--average-from",
+            "0.5",
             "--seeds",
             "--samples",
             "4",
+            "--scale",
+            "0.05",
             "--error",
-            "0.1",
-            "--threads",
-            "2",
+            "0.02",
         ],
     },
 ];
@@ -185,6 +183,11 @@ pub struct StudyRecommendation {
 }
 
 impl Study {
+    /// Whether it has left its files in this folder.
+    pub fn is_kept(&self, folder: &Path) -> bool {
+        folder.join(format!("{}.json", self.name)).exists()
+    }
+
     /// Runs it with the program `sturz`, unless its files are there and younger than the program.
     pub fn run(&self, sturz: &Path, folder: &Path) -> anyhow::Result<StudyResult> {
         std::fs::create_dir_all(folder)?;
