@@ -25,7 +25,7 @@ pub struct Study {
 pub const STUDIES: &[Study] = &[
     Study {
         name: "impact",
-        title: "Impact: velocity of a ball after two bounces",
+        title: "Impact: velocity of a ball after its first bounce",
         tier: Tier::Fast,
         arguments: &[
             "bouncing-sphere",
@@ -34,9 +34,9 @@ pub const STUDIES: &[Study] = &[
             "--measure",
             "velocity[0]",
             "--time",
-            "0.4",
+            "0.3",
             "--error",
-            "0.02",
+            "5e-3",
             "--samples",
             "8",
         ],
