@@ -12,6 +12,7 @@
 //! | [`broad`], [`contact`] | which pairs may touch; persistent contacts and their laws |
 //! | [`integrate`], [`boundary`], [`mesh`], [`insertion`] | motion of particles and walls; walls of triangles; new particles |
 //! | [`mesh_file`] | OBJ and STL files, and the convex parts that they describe |
+//! | [`hydrodynamics`] | forces and torques of a fluid on a particle |
 //! | [`fields`] | coarse graining |
 //! | [`snapshot`], [`contact_network`], [`columns`] | the state and who touches whom, copied; what their columns are called |
 //! | [`guards`] | what there is to warn of |
@@ -68,6 +69,7 @@ pub mod fields;
 mod gather;
 pub mod guards;
 mod happening;
+pub mod hydrodynamics;
 mod inflow;
 pub mod insertion;
 pub mod integrate;

@@ -291,6 +291,11 @@ impl Part {
         }
     }
 
+    /// Distance to the surface when positive; when negative, at most the distance to the part with a minus sign.
+    pub(crate) fn depth_inside(&self, x: &Vec3) -> f64 {
+        union::depth_inside(self, x)
+    }
+
     /// Whether contacts of the part are those of its features.
     pub fn is_rounded_polyhedron(&self) -> bool {
         matches!(self.geometry, PartGeometry::RoundedPolyhedron(_))
