@@ -5,9 +5,9 @@
 
 use crate::math::Vec3;
 
-/// Cells along the side of a face: 3.75 degrees in the middle of it, where the grid is coarsest. Even, so that the planes
+/// Cells along the side of a face: 3.6 degrees in the middle of it, where the grid is coarsest. Even, so that the planes
 /// of the axes, where silhouettes of aligned bodies have kinks, are grid lines.
-const CELLS: usize = 24;
+const CELLS: usize = 32;
 const NODES: usize = CELLS + 1;
 /// Directions in the mean over half a circle.
 const AROUND: usize = 48;

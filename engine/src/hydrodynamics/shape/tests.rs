@@ -91,3 +91,102 @@ fn mean_silhouettes_of_convex_bodies() {
         close(long / f64::from(rings * around), 0.25 * s.surface_area_m2(), 1e-3);
     }
 }
+
+#[test]
+fn cross_of_three_boxes() {
+    let s = hydro("kind = 'cross_3d'\nbeam_length_m = 3.0\nbeam_width_m = 1.0");
+    close(s.volume_m3(), 7.0, 1e-14);
+    // six arms of four sides and an end
+    close(s.surface_area_m2(), 30.0, 1e-14);
+    assert_eq!(s.elongation(), 0.0);
+    for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
+        // scan lines meet the ends of edges: 1/160 squared
+        close(s.projected_area_m2(&axis), 5.0, 1e-4);
+    }
+    // along a diagonal: 14 sides of one sign each show 1/3^1/2, less what other arms hide
+    let diagonal = s.projected_area_m2(&Vec3::new(1.0, 1.0, 1.0).normalize());
+    assert!(diagonal < 15.0 / 3.0f64.sqrt() && diagonal > 3.0 * 3.0f64.sqrt(), "{diagonal}");
+}
+
+/// Silhouette: two discs s apart, less their lens; surface: less two caps.
+#[test]
+fn two_balls() {
+    let (r, c) = (1.0f64, 1.2f64);
+    let s = hydro(&format!(
+        "kind = 'composite'\nparts = [{{ shape = {{ kind = 'sphere', radius_m = {r:?} }}, position_m = [0.0, 0.0, 0.0] }}, \
+         {{ shape = {{ kind = 'sphere', radius_m = {r:?} }}, position_m = [{c:?}, 0.0, 0.0] }}]"
+    ));
+    close(s.surface_area_m2(), 8.0 * PI * r * r - 4.0 * PI * r * (r - 0.5 * c), 2e-4);
+    // the centre of mass is that of a lattice
+    close(s.aspect(), 1.6, 1e-5);
+    let mut worst = 0.0f64;
+    for d in directions() {
+        let apart = c * (1.0 - d.dot(&s.axis()).powi(2)).sqrt();
+        let half = 0.5 * apart;
+        let lens = 2.0 * r * r * (half / r).acos() - half * (4.0 * r * r - apart * apart).sqrt();
+        worst = worst.max((s.projected_area_m2(&d) / (2.0 * PI * r * r - lens) - 1.0).abs());
+    }
+    assert!(worst < 2e-3, "{worst}");
+}
+
+#[test]
+fn composites_that_are_one_body() {
+    let cases = [
+        (
+            "kind = 'composite'\nparts = [{ shape = { kind = 'cube', edge_m = 1.0 }, position_m = [0.0, 0.0, 0.0] }, \
+             { shape = { kind = 'cube', edge_m = 1.0 }, position_m = [1.0, 0.0, 0.0] }, \
+             { shape = { kind = 'box', size_m = [1.5, 1.0, 1.0] }, position_m = [0.25, 0.0, 0.0] }]",
+            "kind = 'box'\nsize_m = [2.0, 1.0, 1.0]",
+            1e-13,
+        ),
+        (
+            "kind = 'composite'\nparts = [{ shape = { kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }, position_m = [0.0, 0.0, 0.0] }, \
+             { shape = { kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }, position_m = [1.0, 0.0, 0.0] }]",
+            "kind = 'cylinder'\nradius_m = 0.5\nlength_m = 2.0",
+            1e-13,
+        ),
+        (
+            "kind = 'composite'\nparts = [{ shape = { kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }, position_m = [0.0, 0.0, 0.0] }, \
+             { shape = { kind = 'sphere', radius_m = 0.5 }, position_m = [0.5, 0.0, 0.0] }, \
+             { shape = { kind = 'sphere', radius_m = 0.5 }, position_m = [-0.5, 0.0, 0.0] }]",
+            "kind = 'spherocylinder'\nradius_m = 0.5\ntotal_length_m = 2.0",
+            1e-3,
+        ),
+    ];
+    for (union, one, tolerance) in cases {
+        let (union, one) = (hydro(union), hydro(one));
+        close(union.surface_area_m2(), one.surface_area_m2(), tolerance);
+        let (mut worst, mut long) = (0.0f64, 0.0f64);
+        for d in directions() {
+            worst = worst.max((union.projected_area_m2(&d) / one.projected_area_m2(&d) - 1.0).abs());
+            long = long.max((union.mean_longitudinal_area_m2(&d) / one.mean_longitudinal_area_m2(&d) - 1.0).abs());
+        }
+        assert!(worst < 2e-3 && long < 3e-3, "{worst} {long}");
+    }
+}
+
+#[test]
+fn rounded_bodies() {
+    let (a, r) = (1.0, 0.2);
+    let corners: Vec<String> = (0..8).map(|i| format!("[{}, {}, {}]", i & 1, i >> 1 & 1, i >> 2)).collect();
+    let s = hydro(&format!("kind = 'rounded_polyhedron'\nradius_m = {r:?}\nvertices_m = [{}]", corners.join(", ")));
+    close(s.surface_area_m2(), 6.0 * a * a + 6.0 * PI * a * r + 4.0 * PI * r * r, 1e-13);
+    close(s.projected_area_m2(&Vec3::y()), a * a + 4.0 * a * r + PI * r * r, 1e-13);
+    // a square plate: a skeleton that is no solid
+    let s = hydro(
+        "kind = 'rounded_polyhedron'\nradius_m = 0.2\nvertices_m = [[-0.5,-0.5,0],[0.5,-0.5,0],[0.5,0.5,0],[-0.5,0.5,0]]\n\
+         faces = [[0,1,2,3]]\nmass_properties = { volume_m3 = 0.7, inertia_over_mass_m2 = [0.1, 0.1, 0.2] }",
+    );
+    close(s.surface_area_m2(), 2.0 * a * a + 4.0 * PI * a * r + 4.0 * PI * r * r, 3e-3);
+    close(s.projected_area_m2(&Vec3::z()), a * a + 4.0 * a * r + PI * r * r, 1e-3);
+    close(s.projected_area_m2(&Vec3::x()), 2.0 * a * r + PI * r * r, 1e-3);
+}
+
+#[test]
+fn elongations() {
+    let of = |toml: &str| hydro(toml).elongation();
+    close(of("kind = 'spherocylinder'\nradius_m = 0.5\ntotal_length_m = 2.0"), 0.9449, 1e-3);
+    assert_eq!(of("kind = 'cylinder'\nradius_m = 1.0\nlength_m = 0.2"), 0.0);
+    assert!(of("kind = 'cylinder'\nradius_m = 0.1\nlength_m = 1.0") > 0.998);
+    assert!(of("kind = 'box'\nsize_m = [1.001, 1.0, 1.0]") < 0.005);
+}

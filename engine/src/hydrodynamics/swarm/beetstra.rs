@@ -9,7 +9,7 @@
 
 use super::Swarm;
 
-pub(crate) const SOURCE: &str = "Beetstra, van der Hoef and Kuipers 2007, AIChE J. 53, 489; eq. 21";
+pub(crate) const SOURCE: &str = "Beetstra, van der Hoef and Kuipers 2007, AIChE J. 53, 489";
 pub(crate) const RANGE: &str = "spheres, void fraction 0.4 to 0.9, Re < 1000; the one-particle law is not used";
 
 #[inline]

@@ -6,7 +6,7 @@
 
 use super::Swarm;
 
-pub(crate) const SOURCE: &str = "Di Felice 1994, Int. J. Multiphase Flow 20, 153; eqs. 10 and 11";
+pub(crate) const SOURCE: &str = "Di Felice 1994, Int. J. Multiphase Flow 20, 153";
 pub(crate) const RANGE: &str =
     "spheres, void fraction 0.4 to 1, Re 1e-2 to 1e4; other bodies by their one-particle law";
 
