@@ -1,5 +1,6 @@
 //! The closed set of changes that a client may ask of a running engine.
 
+use crate::coupling::{FluidDescription, FluidFields};
 use crate::loads::LoadDescription;
 use crate::scene::{InsertionDescription, MotionDescription};
 
@@ -21,6 +22,10 @@ pub enum Command {
     },
     /// Replaces the loads from outside, from the present time on.
     SetLoads(LoadDescription),
+    /// Puts a fluid around the particles, or takes it away.
+    SetFluid(Option<Box<FluidDescription>>),
+    /// Gives the fluid new fields, or none; impulses on it are counted anew from now on.
+    SetFluidFields(Option<Box<FluidFields>>),
 }
 
 /// What an applied command did.
@@ -44,4 +49,6 @@ pub enum Effect {
     MotionSet,
     /// The loads were set.
     LoadsSet,
+    /// The fluid, or its fields, were set.
+    FluidSet,
 }

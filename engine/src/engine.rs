@@ -8,8 +8,10 @@ use crate::boundary::{Boundary, WallSide};
 use crate::broad::{NeighbourInputs, Neighbours};
 use crate::clock::Clock;
 use crate::contact::{self, ContactTable, FindInputs, ForceInputs, SpringRecord, Sums};
+use crate::coupling::Fluid;
 use crate::energy::Ledger;
 use crate::error::{InvalidInput, StepError};
+use crate::external::ExternalRows;
 use crate::fields::Average;
 use crate::gather::gather;
 use crate::happening::Happening;
@@ -47,6 +49,12 @@ pub struct Engine {
     pub(crate) ledger: Ledger,
     /// From outside, where there are any.
     pub(crate) loads: Option<Loads>,
+    /// Around the particles, where there is one.
+    pub(crate) fluid: Option<Fluid>,
+    /// Rows that loads and fluid push.
+    pub(crate) external: ExternalRows,
+    /// Of loads and fluid, so far: what `external` is made anew after.
+    pub(crate) external_changes: u64,
     /// Of the last evaluation, where the scene damps locally.
     pub(crate) local_damping: LocalDamping,
     /// Of frozen particles that move on the others, at the last evaluation, W.
@@ -115,6 +123,9 @@ impl Engine {
             kept_springs: Vec::new(),
             ledger: Ledger::default(),
             loads: None,
+            fluid: None,
+            external: ExternalRows::default(),
+            external_changes: 0,
             local_damping: LocalDamping::default(),
             frozen_power: 0.0,
             averages: Vec::new(),

@@ -11,14 +11,10 @@
 //! under constant forces, and second order with contacts. Loads at the start of the step act in its first half, those at
 //! its end in the second.
 
-use rayon::prelude::*;
-
 use crate::checkpoint::codec::pack_fields;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
 use crate::math::Vec3;
-use crate::parallel::least;
-use crate::particles::Particles;
 
 /// What a client asks for; replaces all loads before. Columns are empty (0 for all) or have a row per id.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,11 +43,11 @@ pub struct LoadDescription {
 
 /// F = `force` - `drag` v, T = `torque` - `rotational_drag` w: what is linear in time during a ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Load {
-    force: Vec3,
-    drag: f64,
-    torque: Vec3,
-    rotational_drag: f64,
+pub(crate) struct Load {
+    pub force: Vec3,
+    pub drag: f64,
+    pub torque: Vec3,
+    pub rotational_drag: f64,
 }
 
 pack_fields!(Load { force: Vec3, drag: f64, torque: Vec3, rotational_drag: f64 });
@@ -68,34 +64,9 @@ pub(crate) struct Loads {
     start_s: f64,
     ramp_s: f64,
     until_s: Option<f64>,
-    rows: Rows,
 }
 
-pack_fields!(Loads { ids: Vec<u64>, from: Vec<Load>, to: Vec<Load>, start_s: f64, ramp_s: f64, until_s: Option<f64>, rows: Rows });
-
-/// Where the loaded particles are; made anew when rows may have moved.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Rows {
-    /// Rebuilds of the neighbour list, when it was made.
-    rebuilds: Option<u64>,
-    /// By row: which load, or [`NO_LOAD`].
-    load: Vec<u32>,
-    /// By row: force and torque without the load.
-    kept: Vec<[Vec3; 2]>,
-}
-
-const NO_LOAD: u32 = u32::MAX;
-/// Rows per sum of work; never a function of the thread count.
-const CHUNK: usize = 512;
-
-/// They are not state.
-impl crate::checkpoint::codec::Pack for Rows {
-    const LEAST_BYTES: usize = 0;
-    fn put(&self, _: &mut Vec<u8>) {}
-    fn get(_: &mut crate::checkpoint::codec::Reader<'_>) -> Result<Self, crate::checkpoint::codec::Malformed> {
-        Ok(Self::default())
-    }
-}
+pack_fields!(Loads { ids: Vec<u64>, from: Vec<Load>, to: Vec<Load>, start_s: f64, ramp_s: f64, until_s: Option<f64> });
 
 impl Load {
     fn at(from: &Self, to: &Self, part: f64) -> Self {
@@ -115,19 +86,6 @@ impl Load {
         drags.iter().all(|&drag| drag.is_finite() && drag >= 0.0)
             && self.force.iter().chain(&self.torque).all(|number| number.is_finite())
     }
-}
-
-/// (1 - e^-z)/z.
-#[inline(always)]
-fn decay_mean(z: f64) -> f64 {
-    if z < 1e-12 { 1.0 } else { -(-z).exp_m1() / z }
-}
-
-/// Velocity after `h` from `v`, with the acceleration `a` at rest and the rate of decay `rate` (1/s).
-#[inline(always)]
-fn relaxed(v: &Vec3, a: &Vec3, rate: f64, h: f64) -> Vec3 {
-    let z = rate * h;
-    v * (-z).exp() + a * (h * decay_mean(z))
 }
 
 impl LoadDescription {
@@ -220,7 +178,6 @@ impl Loads {
             start_s: now_s,
             ramp_s: description.ramp_s,
             until_s: description.valid_until_s,
-            rows: Rows::default(),
         };
         (!loads.ids.is_empty()).then_some(loads)
     }
@@ -230,28 +187,18 @@ impl Loads {
     }
 
     /// Whether they no longer act in a step that starts then.
-    fn are_over(&self, time_s: f64) -> bool {
+    pub(crate) fn are_over(&self, time_s: f64) -> bool {
         self.until_s.is_some_and(|until| time_s >= until)
     }
 
-    /// Finds the rows of the ids; particles that are gone take their loads with them.
-    fn find_rows(&mut self, particles: &Particles, rebuilds: u64) {
-        if self.rows.rebuilds == Some(rebuilds) && self.rows.load.len() == particles.n_owned() {
-            return;
-        }
-        self.rows.rebuilds = Some(rebuilds);
-        self.rows.load.clear();
-        self.rows
-            .load
-            .extend(particles.ids.iter().map(|id| self.ids.binary_search(id).map_or(NO_LOAD, |at| at as u32)));
-        // nothing pushes what is frozen
-        self.rows
-            .load
-            .iter_mut()
-            .zip(&particles.frozen)
-            .filter(|(_, frozen)| **frozen)
-            .for_each(|(load, _)| *load = NO_LOAD);
-        self.rows.kept.resize(particles.n_owned(), [Vec3::zeros(); 2]);
+    /// Place of a particle among the loads.
+    pub(crate) fn find(&self, id: u64) -> Option<usize> {
+        self.ids.binary_search(&id).ok()
+    }
+
+    /// The load of a place at a time.
+    pub(crate) fn load(&self, at: usize, time_s: f64) -> Load {
+        Load::at(&self.from[at], &self.to[at], self.part(time_s))
     }
 
     /// Words for the state hash.
@@ -281,44 +228,19 @@ impl Loads {
     }
 }
 
-/// Half a step of the loaded rows of a chunk.
-struct HalfStep<'a> {
-    part: f64,
-    gravity: &'a Vec3,
-    h: f64,
-}
-
-/// Columns of one row.
-struct Row<'a> {
-    velocity: &'a Vec3,
-    momentum: &'a Vec3,
-    rotation: &'a crate::math::Mat3,
-    inertia: &'a Vec3,
-    mass: f64,
-}
-
-impl HalfStep<'_> {
-    /// Velocity and angular momentum after half a step, with the contact force and torque.
-    #[inline(always)]
-    fn after(&self, load: &Load, row: &Row<'_>, force: &Vec3, torque: &Vec3) -> [Vec3; 2] {
-        let acceleration = (force + load.force) / row.mass + self.gravity;
-        let velocity = relaxed(row.velocity, &acceleration, load.drag / row.mass, self.h);
-        let mut in_body = row.rotation.tr_mul(row.momentum);
-        let torque_in_body = row.rotation.tr_mul(&(torque + load.torque));
-        for axis in 0..3 {
-            let z = load.rotational_drag * self.h / row.inertia[axis];
-            in_body[axis] = in_body[axis] * (-z).exp() + torque_in_body[axis] * (self.h * decay_mean(z));
-        }
-        [velocity, row.rotation * in_body]
-    }
-}
-
 impl Engine {
     /// Replaces the loads; checks everything before it changes anything.
     pub(crate) fn set_loads(&mut self, description: &LoadDescription) -> Result<(), InvalidInput> {
         self.check_loads(description)?;
         self.loads = Loads::new(description, self.loads.as_ref(), self.clock.time_s());
+        self.external_changes += 1;
         Ok(())
+    }
+
+    /// The loads are over.
+    pub(crate) fn set_no_loads(&mut self) {
+        self.loads = None;
+        self.external_changes += 1;
     }
 
     fn check_loads(&self, description: &LoadDescription) -> Result<(), InvalidInput> {
@@ -347,112 +269,5 @@ impl Engine {
             return Err(InvalidInput::new(format!("set_loads.ids[{k}]"), problem));
         }
         Ok(())
-    }
-
-    /// Before the first half kick: makes the kick lead where the loads at the start of the step lead.
-    pub(crate) fn load_first_half(&mut self) {
-        let time_s = self.clock.time_s();
-        if self.loads.as_ref().is_some_and(|loads| loads.are_over(time_s)) {
-            self.loads = None;
-        }
-        self.load_half(time_s);
-    }
-
-    /// After the drift: gives the force columns back, and the contact laws the velocities that loads lead to.
-    pub(crate) fn unload_first_half(&mut self) {
-        self.unload();
-        let Some(loads) = &self.loads else { return };
-        let half = HalfStep {
-            part: loads.part(self.clock.time_s()),
-            gravity: &self.gravity,
-            h: 0.5 * self.clock.time_step_s(),
-        };
-        let Particles { velocity, angular_momentum, rotation, inertia, mass, force, torque, motion, .. } =
-            &mut self.particles;
-        for (row, &load) in loads.rows.load.iter().enumerate().filter(|(_, load)| **load != NO_LOAD) {
-            let load = Load::at(&loads.from[load as usize], &loads.to[load as usize], half.part);
-            let columns = Row {
-                velocity: &velocity[row],
-                momentum: &angular_momentum[row],
-                rotation: &rotation[row],
-                inertia: &inertia[row],
-                mass: mass[row],
-            };
-            let [velocity, momentum] = half.after(&load, &columns, &force[row], &torque[row]);
-            motion[row].velocity = velocity;
-            let rate = rotation[row].tr_mul(&momentum).component_div(&inertia[row]);
-            motion[row].angular_velocity = rotation[row] * rate;
-        }
-    }
-
-    /// Before the second half kick: the same with the loads at the end of the step.
-    pub(crate) fn load_second_half(&mut self) {
-        self.load_half(self.clock.time_after_s(1));
-    }
-
-    /// Gives the force columns back.
-    pub(crate) fn unload(&mut self) {
-        let Some(loads) = &self.loads else { return };
-        let Particles { force, torque, .. } = &mut self.particles;
-        for (row, _) in loads.rows.load.iter().enumerate().filter(|(_, load)| **load != NO_LOAD) {
-            [force[row], torque[row]] = loads.rows.kept[row];
-        }
-    }
-
-    /// Adds to each loaded row's force what makes a plain half kick end where the loads lead, and books their work.
-    fn load_half(&mut self, time_s: f64) {
-        let Some(mut loads) = self.loads.take() else { return };
-        loads.find_rows(&self.particles, self.neighbours.rebuilds);
-        let Rows { load: of_row, mut kept, rebuilds } = std::mem::take(&mut loads.rows);
-        let h = 0.5 * self.clock.time_step_s();
-        let half = HalfStep { part: loads.part(time_s), gravity: &self.gravity, h };
-        let n = self.particles.n_owned();
-        let Particles { velocity, angular_momentum, rotation, inertia, mass, force, torque, .. } = &mut self.particles;
-        let work: Vec<f64> = (
-            of_row.par_chunks(CHUNK),
-            kept.par_chunks_mut(CHUNK),
-            force.par_chunks_mut(CHUNK),
-            torque.par_chunks_mut(CHUNK),
-        )
-            .into_par_iter()
-            .enumerate()
-            .with_min_len(least(n, CHUNK, 40))
-            .map(|(chunk, (of_row, kept, force, torque))| {
-                let mut work = 0.0;
-                for (k, &load) in of_row.iter().enumerate().filter(|(_, load)| **load != NO_LOAD) {
-                    let row = chunk * CHUNK + k;
-                    let load = Load::at(&loads.from[load as usize], &loads.to[load as usize], half.part);
-                    let columns = Row {
-                        velocity: &velocity[row],
-                        momentum: &angular_momentum[row],
-                        rotation: &rotation[row],
-                        inertia: &inertia[row],
-                        mass: mass[row],
-                    };
-                    kept[k] = [force[k], torque[k]];
-                    work += half.add_to(&load, &columns, (&mut force[k], &mut torque[k]));
-                }
-                work
-            })
-            .collect();
-        self.ledger.work_loads += work.iter().sum::<f64>();
-        loads.rows = Rows { load: of_row, kept, rebuilds };
-        self.loads = Some(loads);
-    }
-}
-
-impl HalfStep<'_> {
-    /// Adds the force and torque that a plain half kick needs, and returns the work of the load, J: its impulse times the
-    /// mean of the velocities before and after, which is the energy that it gives the particle.
-    #[inline(always)]
-    fn add_to(&self, load: &Load, row: &Row<'_>, (force, torque): (&mut Vec3, &mut Vec3)) -> f64 {
-        let [velocity, momentum] = self.after(load, row, force, torque);
-        let total_force = (velocity - row.velocity) * (row.mass / self.h) - self.gravity * row.mass;
-        let total_torque = (momentum - row.momentum) / self.h;
-        let rate = |momentum: &Vec3| row.rotation * row.rotation.tr_mul(momentum).component_div(row.inertia);
-        let work = (total_force - *force).dot(&(velocity + row.velocity))
-            + (total_torque - *torque).dot(&(rate(&momentum) + rate(row.momentum)));
-        (*force, *torque) = (total_force, total_torque);
-        0.5 * self.h * work
     }
 }

@@ -203,6 +203,9 @@ impl Engine {
         if let Some(loads) = &self.loads {
             loads.words(&mut words);
         }
+        if let Some(fluid) = &self.fluid {
+            fluid.words(&mut words);
+        }
         for record in springs {
             let (a, b, part_a, part_b, feature) = record.key;
             words(&[a as f64, b as f64, f64::from(part_a), f64::from(part_b), f64::from(feature.0)]);

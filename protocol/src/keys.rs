@@ -53,6 +53,8 @@ pub enum Verb {
     SetMotion,
     /// Loads particles from outside.
     SetLoads,
+    /// Puts a fluid around the particles.
+    SetFluid,
     /// Stops stepping.
     Pause,
     /// Steps freely.
@@ -85,12 +87,13 @@ pub enum Verb {
 
 impl Verb {
     /// All of them.
-    pub const ALL: [Verb; 19] = [
+    pub const ALL: [Verb; 20] = [
         Verb::Insert,
         Verb::Remove,
         Verb::SetGravity,
         Verb::SetMotion,
         Verb::SetLoads,
+        Verb::SetFluid,
         Verb::Pause,
         Verb::Resume,
         Verb::Step,
@@ -115,6 +118,7 @@ impl Verb {
             Verb::SetGravity => "set_gravity",
             Verb::SetMotion => "set_motion",
             Verb::SetLoads => "set_loads",
+            Verb::SetFluid => "set_fluid",
             Verb::Pause => "pause",
             Verb::Resume => "resume",
             Verb::Step => "step",
@@ -204,6 +208,11 @@ impl Keys {
     /// Query for the `ContactFrame` of now.
     pub fn contacts_latest(&self) -> String {
         self.key("contacts/latest")
+    }
+
+    /// Query for `ExchangeFrame`.
+    pub fn exchange_latest(&self) -> String {
+        self.key("exchange/latest")
     }
 
     /// Publication of `ContactFrame`.

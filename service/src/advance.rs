@@ -46,6 +46,7 @@ impl Window {
                 frame: None,
                 fields: Vec::new(),
                 contacts: None,
+                exchange: None,
             })
         } else {
             Wire::Stepped(v1::Stepped {

@@ -19,6 +19,13 @@ impl Runner<'_> {
             Read::Report => ReadAnswer::Report(Box::new(self.report())),
             Read::State { forces } => ReadAnswer::State(Box::new(self.snapshot(forces))),
             Read::Contacts => ReadAnswer::Contacts(Box::new(self.contacts())),
+            Read::Exchange => match self.engine.exchange() {
+                Some(exchange) => ReadAnswer::Exchange(Box::new(exchange)),
+                None => {
+                    let text = "there is no fluid with a mesh: define one by set_fluid";
+                    ReadAnswer::Refused(error(v1::ErrorCode::NotFound, "", text))
+                }
+            },
             Read::Field(name) => match self.outbox.field(&name) {
                 Some(definition) => ReadAnswer::Field(Box::new(self.engine.compute_field(definition))),
                 None => {
@@ -48,12 +55,13 @@ impl Runner<'_> {
 
     /// State, fields and contacts of now; nothing when nothing was asked for.
     pub(crate) fn capture(&mut self, outputs: &Outputs) -> Option<Arc<Capture>> {
-        if outputs.columns.is_none() && outputs.fields.is_empty() && !outputs.contacts {
+        if outputs.columns.is_none() && outputs.fields.is_empty() && !outputs.contacts && !outputs.exchange {
             return None;
         }
         let has_forces = |columns: &Vec<ParticleColumn>| columns.iter().any(|column| column.is_force());
         let snapshot = outputs.columns.as_ref().map(|columns| self.snapshot(has_forces(columns)));
         let contacts = outputs.contacts.then(|| self.contacts());
+        let exchange = if outputs.exchange { self.engine.exchange() } else { None };
         let mut fields = Vec::with_capacity(outputs.fields.len());
         for name in &outputs.fields {
             // One that was dropped during the window is left out.
@@ -61,7 +69,7 @@ impl Runner<'_> {
                 fields.push(self.engine.compute_field(definition));
             }
         }
-        Some(Arc::new(Capture { outputs: outputs.clone(), snapshot, fields, contacts }))
+        Some(Arc::new(Capture { outputs: outputs.clone(), snapshot, fields, contacts, exchange }))
     }
 
     fn run_state(&self) -> v1::RunState {

@@ -26,7 +26,7 @@ pub fn topic(kind: v1::EventKind) -> &'static str {
 pub fn command_event(identity: &Identity, mut outcome: v1::Outcome) -> v1::Event {
     match &mut outcome.result {
         Some(Wire::Advanced(advanced)) => {
-            (advanced.frame, advanced.contacts) = (None, None);
+            (advanced.frame, advanced.contacts, advanced.exchange) = (None, None, None);
             advanced.fields.clear();
         }
         Some(Wire::Checkpoints(all)) => all.checkpoints.clear(),

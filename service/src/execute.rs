@@ -1,7 +1,7 @@
 //! What each order does, on the physics thread, between two steps.
 
 use sturz_engine::scene::{AngularVelocity, InsertionDescription, MotionDescription, Placement, Region, Scene};
-use sturz_engine::{Command, InvalidInput, LoadDescription};
+use sturz_engine::{Command, FluidDescription, FluidFields, InvalidInput, LoadDescription, MeshDescription};
 use sturz_protocol::keys::Verb;
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 
@@ -100,10 +100,10 @@ impl Runner<'_> {
                 Ok(Wire::Applied(v1::Applied {}))
             }
             Body::Step { steps } => return self.begin_steps(steps, ticket),
-            Body::Advance { start, window_s, outputs, loads } => {
+            Body::Advance { start, window_s, outputs, loads, fluid } => {
                 let ready = self.check_ready().and_then(|()| check_start(start, self.moment()));
                 let ready = ready.and_then(|()| self.check_fields(&outputs));
-                return match ready.and_then(|()| self.load_window(window_s, loads)) {
+                return match ready.and_then(|()| self.load_window(window_s, loads, fluid)) {
                     Ok(()) => self.begin_window(window_s, outputs, ticket),
                     Err(error) => self.refuse(ticket, error),
                 };
@@ -237,10 +237,22 @@ impl Runner<'_> {
         }
     }
 
-    /// Sets the loads of a window that is sure to begin.
-    fn load_window(&mut self, window_s: f64, loads: Option<Box<LoadDescription>>) -> Result<(), v1::Error> {
+    /// Sets loads and fluid of a window that is sure to begin.
+    fn load_window(
+        &mut self,
+        window_s: f64,
+        loads: Option<Box<LoadDescription>>,
+        fluid: Option<Box<FluidFields>>,
+    ) -> Result<(), v1::Error> {
         self.engine.window_steps(window_s).map_err(invalid)?;
-        loads.map_or(Ok(()), |loads| self.change(&Command::SetLoads(*loads)).map(drop))
+        self.engine
+            .check_fluid_fields(fluid.as_deref())
+            .map_err(|input| refused(&Command::SetFluidFields(None), input))?;
+        loads.map_or(Ok(()), |loads| self.change(&Command::SetLoads(*loads)).map(drop))?;
+        if fluid.is_none() && !self.engine.has_fluid() {
+            return Ok(());
+        }
+        self.change(&Command::SetFluidFields(fluid)).map(drop)
     }
 
     fn set_window(&mut self, window: Window) {
@@ -293,6 +305,8 @@ fn refused(command: &Command, mut input: InvalidInput) -> v1::Error {
         Command::Remove(_) => tail(&input.path, "remove").into(),
         Command::SetGravity(_) => tail(&input.path, "set_gravity").into(),
         Command::SetLoads(_) => format!("loads.{}", tail(&input.path, "set_loads")),
+        Command::SetFluid(fluid) => fluid_path(fluid.as_deref(), &input.path),
+        Command::SetFluidFields(_) => input.path.replacen("fluid_fields", "fluid", 1),
     };
     input.path = path;
     invalid(input)
@@ -301,6 +315,18 @@ fn refused(command: &Command, mut input: InvalidInput) -> v1::Error {
 /// Without the name of the command.
 fn tail<'p>(path: &'p str, command: &str) -> &'p str {
     path.strip_prefix(command).and_then(|rest| rest.strip_prefix('.')).unwrap_or(path)
+}
+
+fn fluid_path(fluid: Option<&FluidDescription>, path: &str) -> String {
+    let kind = match fluid.and_then(|fluid| fluid.mesh.as_ref()) {
+        Some(MeshDescription::Points { .. }) => "points",
+        _ => "structured",
+    };
+    let path = path.replacen("fluid.mesh", &format!("fluid.{kind}"), 1);
+    path.replacen(".counts", ".count_x", 1)
+        .replacen(".sides[0]", ".x_low", 1)
+        .replacen(".sides[1]", ".y_low", 1)
+        .replacen(".sides[2]", ".z_low", 1)
 }
 
 fn insertion_path(placement: &Placement, path: &str) -> String {

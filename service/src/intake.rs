@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::anyhow;
 use prost::Message;
 use sturz_engine::{ContactColumn, FloatType, ParticleColumn};
-use sturz_protocol::convert::{contacts_to_wire, field_to_wire, frame_to_wire};
+use sturz_protocol::convert::{contacts_to_wire, exchange_to_wire, field_to_wire, frame_to_wire};
 use sturz_protocol::keys::{Keys, Verb};
 use sturz_protocol::v1::{self, outcome::Result as Wire};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
@@ -54,6 +54,7 @@ enum Topic {
     Report,
     State,
     Contacts,
+    Exchange,
     Field(String),
 }
 
@@ -106,6 +107,7 @@ pub async fn open(session: &Session, io: Arc<Io>) -> anyhow::Result<Intake> {
         keys.report_latest(),
         keys.state_latest(),
         keys.contacts_latest(),
+        keys.exchange_latest(),
         keys.all_shapes(),
         keys.all_fields_latest(),
     ] {
@@ -141,6 +143,7 @@ fn topic(tail: Option<&str>) -> Option<Topic> {
         ["report", "latest"] => Some(Topic::Report),
         ["state", "latest"] => Some(Topic::State),
         ["contacts", "latest"] => Some(Topic::Contacts),
+        ["exchange", "latest"] => Some(Topic::Exchange),
         ["field", name, "latest"] => Some(Topic::Field(name.into())),
         _ => None,
     }
@@ -224,6 +227,7 @@ impl Io {
                 Ok(_) => Read::Contacts,
                 Err(error) => return self.refuse_later(raw, error, permit),
             },
+            Topic::Exchange => Read::Exchange,
             Topic::Field(name) => Read::Field(name.clone()),
         };
         let (sender, receiver) = oneshot::channel();
@@ -311,6 +315,9 @@ impl Io {
             ReadAnswer::Contacts(network) => {
                 let Chosen { columns, float } = raw.contact_columns()?;
                 Ok(contacts_to_wire(&network, &columns, float, self.identity.blank_header(0, 0)).encode_to_vec())
+            }
+            ReadAnswer::Exchange(exchange) => {
+                Ok(exchange_to_wire(&exchange, self.identity.blank_header(0, 0)).encode_to_vec())
             }
             ReadAnswer::Refused(error) => Err(error),
         }
@@ -403,6 +410,7 @@ impl Topic {
             Topic::Report => "Report",
             Topic::State => "Frame",
             Topic::Contacts => "ContactFrame",
+            Topic::Exchange => "ExchangeFrame",
             Topic::Field(_) => "FieldFrame",
         }
     }

@@ -71,7 +71,8 @@ pub struct Lease {
 }
 
 /// What others than the holder may not do.
-const HOLDERS_ONLY: [Verb; 5] = [Verb::Step, Verb::Advance, Verb::Resume, Verb::Restore, Verb::SetLoads];
+const HOLDERS_ONLY: [Verb; 6] =
+    [Verb::Step, Verb::Advance, Verb::Resume, Verb::Restore, Verb::SetLoads, Verb::SetFluid];
 
 impl Runner<'_> {
     /// Refuses what only the holder of the lease may do.

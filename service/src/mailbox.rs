@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::time::Instant;
 
 use sturz_engine::fields::FieldFrame;
-use sturz_engine::{ContactNetwork, Report, Snapshot};
+use sturz_engine::{ContactNetwork, Exchange, Report, Snapshot};
 use sturz_protocol::v1;
 use tokio::sync::oneshot;
 
@@ -43,6 +43,8 @@ pub struct Capture {
     pub fields: Vec<FieldFrame>,
     /// Present when it was asked for.
     pub contacts: Option<ContactNetwork>,
+    /// Present when it was asked for and there is a fluid with a mesh.
+    pub exchange: Option<Exchange>,
 }
 
 /// A question about the state.
@@ -58,6 +60,8 @@ pub enum Read {
     },
     /// For `contacts/latest`.
     Contacts,
+    /// For `exchange/latest`.
+    Exchange,
     /// For `field/<name>/latest`.
     Field(String),
 }
@@ -72,6 +76,8 @@ pub enum ReadAnswer {
     State(Box<Snapshot>),
     /// For `contacts/latest`.
     Contacts(Box<ContactNetwork>),
+    /// For `exchange/latest`.
+    Exchange(Box<Exchange>),
     /// For `field/<name>/latest`.
     Field(Box<FieldFrame>),
     /// There is no such thing.

@@ -3,7 +3,9 @@
 use prost::bytes::Bytes;
 use sturz_engine::fields::FieldDefinition;
 use sturz_engine::scene::{InsertionDescription, Placement};
-use sturz_engine::{Command, FloatType, InvalidInput, LoadDescription, ParticleColumn};
+use sturz_engine::{
+    Command, FloatType, FluidDescription, FluidFields, InvalidInput, LoadDescription, MeshDescription, ParticleColumn,
+};
 use sturz_protocol::convert::{self, Start, float_from_wire};
 use sturz_protocol::keys::{MAX_NAME_BYTES, Verb, check_name};
 use sturz_protocol::{Request, v1};
@@ -62,6 +64,8 @@ pub enum Body {
         outputs: Outputs,
         /// Instead of those before.
         loads: Option<Box<LoadDescription>>,
+        /// Instead of those before, of the fluid.
+        fluid: Option<Box<FluidFields>>,
     },
     /// Define or replace a field.
     DefineField(FieldDefinition),
@@ -116,6 +120,8 @@ pub struct Outputs {
     pub fields: Vec<String>,
     /// The contact network.
     pub contacts: bool,
+    /// What a fluid gets.
+    pub exchange: bool,
 }
 
 /// A refusal at the border: who asked, as far as that could be read, and why it was refused.
@@ -225,6 +231,12 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
             let loads = loads.ok_or_else(|| error(v1::ErrorCode::InvalidInput, "loads", "is missing"))?;
             Ok(Body::Change(Command::SetLoads(convert::loads_from_wire(loads, "loads").map_err(invalid)?)))
         }
+        Request::SetFluid(request) => {
+            let fluid = request.fluid.as_ref().map(|fluid| convert::fluid_from_wire(fluid, "fluid"));
+            let fluid = fluid.transpose().map_err(invalid)?;
+            check_mesh(fluid.as_ref(), limits)?;
+            Ok(Body::Change(Command::SetFluid(fluid.map(Box::new))))
+        }
         Request::Pause(_) => Ok(Body::Pause),
         Request::Resume(_) => Ok(Body::Resume),
         Request::Step(request) if request.steps == 0 => {
@@ -268,7 +280,9 @@ fn advance_body(request: &v1::AdvanceRequest) -> Result<Body, v1::Error> {
     let outputs = request.outputs.as_ref().map_or(Ok(Outputs::default()), outputs)?;
     let loads = request.loads.as_ref().map(|loads| convert::loads_from_wire(loads, "loads"));
     let loads = loads.transpose().map_err(invalid)?.map(Box::new);
-    Ok(Body::Advance { start, window_s, outputs, loads })
+    let fluid = request.fluid.as_ref().map(|fields| convert::fluid_fields_from_wire(fields, "fluid"));
+    let fluid = fluid.transpose().map_err(invalid)?.map(Box::new);
+    Ok(Body::Advance { start, window_s, outputs, loads, fluid })
 }
 
 fn outputs(wire: &v1::Outputs) -> Result<Outputs, v1::Error> {
@@ -281,7 +295,7 @@ fn outputs(wire: &v1::Outputs) -> Result<Outputs, v1::Error> {
         error(v1::ErrorCode::InvalidInput, "outputs.float_type", text)
     })?;
     let columns = (!wire.columns.is_empty()).then_some(columns);
-    Ok(Outputs { columns, float, fields: wire.fields.clone(), contacts: wire.contacts })
+    Ok(Outputs { columns, float, fields: wire.fields.clone(), contacts: wire.contacts, exchange: wire.exchange })
 }
 
 fn define_field_body(request: &v1::DefineFieldRequest, limits: &Limits) -> Result<Body, v1::Error> {
@@ -297,6 +311,23 @@ fn define_field_body(request: &v1::DefineFieldRequest, limits: &Limits) -> Resul
         return Err(error(v1::ErrorCode::TooLarge, "field.grid", text));
     }
     Ok(Body::DefineField(definition))
+}
+
+/// The mesh of a fluid is one of a field's size at most.
+fn check_mesh(fluid: Option<&FluidDescription>, limits: &Limits) -> Result<(), v1::Error> {
+    let (path, cells) = match fluid.and_then(|fluid| fluid.mesh.as_ref()) {
+        Some(MeshDescription::Structured { counts, .. }) => {
+            ("fluid.structured", counts.iter().map(|&count| u64::from(count)).fold(1, u64::saturating_mul))
+        }
+        Some(MeshDescription::Points { points_m, .. }) => ("fluid.points", points_m.len() as u64),
+        None => return Ok(()),
+    };
+    if cells > limits.field_cells {
+        let most = limits.field_cells;
+        let text = format!("is a mesh of {cells} cells, at most {most} are allowed (limit `field_cells`)");
+        return Err(error(v1::ErrorCode::TooLarge, path, text));
+    }
+    Ok(())
 }
 
 /// Attempts per particle of a random insertion, fifty times what is usual: the last particle may need all of them, and

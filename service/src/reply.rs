@@ -130,6 +130,8 @@ impl Identity {
             let contacts =
                 |network| convert::contacts_to_wire(network, ContactColumn::ALL, capture.outputs.float, header());
             advanced.contacts = capture.contacts.as_ref().map(contacts);
+            let exchange = |exchange| convert::exchange_to_wire(exchange, header());
+            advanced.exchange = capture.exchange.as_ref().map(exchange);
         }
         outcome.encode_to_vec()
     }
@@ -141,7 +143,7 @@ pub fn wall_time_ns() -> u64 {
 }
 
 /// Other things that it can do, by name.
-const CAPABILITIES: [&str; 10] = [
+const CAPABILITIES: [&str; 11] = [
     "command_put",
     "at_time",
     "window",
@@ -152,6 +154,7 @@ const CAPABILITIES: [&str; 10] = [
     "journal",
     "contacts",
     "outputs",
+    "fluid",
 ];
 
 fn features(limits: &Limits) -> v1::Features {

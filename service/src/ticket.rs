@@ -113,6 +113,6 @@ pub fn effect_to_wire(effect: &Effect) -> Wire {
     match *effect {
         Effect::Inserted { first_id, count } => Wire::Inserted(v1::Inserted { first_id, count }),
         Effect::Removed { count } => Wire::Removed(v1::Removed { count }),
-        Effect::GravitySet | Effect::MotionSet | Effect::LoadsSet => Wire::Applied(v1::Applied {}),
+        Effect::GravitySet | Effect::MotionSet | Effect::LoadsSet | Effect::FluidSet => Wire::Applied(v1::Applied {}),
     }
 }

@@ -114,6 +114,11 @@ impl Simulation {
         self.call(call::set_loads(loads.into()))
     }
 
+    /// Puts a fluid around the particles, instead of the one before, or takes it away: see `docs/coupling.md`.
+    pub fn set_fluid(&self, fluid: Option<v1::FluidDefinition>) -> Result<Applied, ClientError> {
+        self.call(call::set_fluid(fluid))
+    }
+
     /// Stops stepping, and ends a window in flight early.
     pub fn pause(&self) -> Result<Applied, ClientError> {
         self.call(call::pause())

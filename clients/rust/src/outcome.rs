@@ -7,6 +7,7 @@ use sturz_protocol::v1::{self, outcome::Result as Wire};
 use crate::contacts::Contacts;
 use crate::error::{ClientError, Refusal};
 use crate::field::Field;
+use crate::fluid::Exchange;
 use crate::state::State;
 
 /// When a command took effect.
@@ -82,6 +83,8 @@ pub struct Advanced {
     pub fields: Vec<Field>,
     /// At the end of the window; `None` as for the state.
     pub contacts: Option<Contacts>,
+    /// For the fluid, over the window; `None` as for the state, and where there is no fluid with a mesh.
+    pub exchange: Option<Exchange>,
 }
 
 /// The state was saved.
@@ -157,6 +160,7 @@ impl Kind for Advanced {
             state: done.frame.map(State::new),
             fields: done.fields.into_iter().map(Field::new).collect(),
             contacts: done.contacts.map(Contacts::new),
+            exchange: done.exchange.map(Exchange::new),
         })
     }
 }

@@ -3,6 +3,7 @@
 use sturz_protocol::columns::rows;
 use sturz_protocol::v1;
 
+use crate::fluid::FluidFields;
 use crate::loads::Loads;
 
 /// On the wire.
@@ -343,6 +344,10 @@ pub struct Window {
     pub float_type: FloatType,
     /// Instead of those before, from its start on.
     pub loads: Option<Loads>,
+    /// Of the fluid, instead of those before, from its start on.
+    pub fluid: Option<FluidFields>,
+    /// Return what the fluid gets from the particles.
+    pub exchange: bool,
 }
 
 impl Window {
@@ -378,6 +383,11 @@ impl Window {
         Self { loads: Some(loads), ..self }
     }
 
+    /// With these fields of the fluid from its start on, and what it gets from the particles in the reply.
+    pub fn with_fluid(self, fields: FluidFields) -> Self {
+        Self { fluid: Some(fields), exchange: true, ..self }
+    }
+
     /// On the wire; `last_known_s` for [`Start::LastKnown`].
     pub(crate) fn into_wire(self, last_known_s: f64) -> v1::AdvanceRequest {
         use v1::advance_request::From;
@@ -391,7 +401,9 @@ impl Window {
                 fields: self.fields,
                 float_type,
                 contacts: self.contacts,
+                exchange: self.exchange,
             }),
+            fluid: self.fluid.map(Into::into),
             from: Some(match self.start {
                 Start::LastKnown => From::FromTimeS(last_known_s),
                 Start::Time(time_s) => From::FromTimeS(time_s),

@@ -14,6 +14,7 @@ use crate::bus::Bus;
 use crate::contacts::Contacts;
 use crate::error::ClientError;
 use crate::field::Field;
+use crate::fluid::Exchange;
 use crate::request::FloatType;
 use crate::state::State;
 use crate::stream::{Source, Stream};
@@ -168,6 +169,11 @@ impl Simulation {
     /// always there.
     pub fn contacts(&self, columns: &[&str], float_type: FloatType) -> Result<Contacts, ClientError> {
         Ok(Contacts::new(self.ask(&selector(self.bus.keys.contacts_latest(), columns, float_type))?))
+    }
+
+    /// What the fluid gets from the particles, now; refused where there is no fluid with a mesh.
+    pub fn exchange(&self) -> Result<Exchange, ClientError> {
+        Ok(Exchange::new(self.ask(&self.bus.keys.exchange_latest())?))
     }
 
     /// A defined field, sampled now.

@@ -103,7 +103,8 @@ fn windows_are_repeated_bit_for_bit_as_often_as_wanted() {
         let header = v1::CommandHeader { client_id: "c".into(), request_id: request_id.into(), at_time_s: None };
         let outputs = Some(v1::Outputs { columns: vec!["positions".into()], ..Default::default() });
         let from = Some(v1::advance_request::From::FromStep(from_step));
-        let window = v1::AdvanceRequest { header: Some(header), from, window_s: WINDOW_S, outputs, loads: None };
+        let window =
+            v1::AdvanceRequest { header: Some(header), from, window_s: WINDOW_S, outputs, loads: None, fluid: None };
         let outcome = simulation.command(Request::Advance(window), Some(SOON)).unwrap();
         let Some(v1::outcome::Result::Advanced(advanced)) = outcome.result else { panic!("{outcome:?}") };
         (outcome.repeated, advanced.frame.is_some())

@@ -59,6 +59,20 @@ macro_rules! numbers {
 
 numbers!(u8, u16, u32, u64, i32, f64);
 
+impl Pack for bool {
+    const LEAST_BYTES: usize = 1;
+    fn put(&self, out: &mut Vec<u8>) {
+        u8::from(*self).put(out);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self, Malformed> {
+        match from.get::<u8>()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(Malformed("has a choice that is neither yes nor no")),
+        }
+    }
+}
+
 /// A struct, field by field.
 macro_rules! pack_fields {
     ($type:ty { $($field:ident: $of:ty),* $(,)? }) => {

@@ -58,6 +58,8 @@ const COURSE: Tag = *b"COUR";
 const SCENE: Tag = *b"SCNE";
 /// Only where means are being taken.
 const AVERAGES: Tag = *b"AVRG";
+/// Only where there is a fluid.
+const FLUID: Tag = *b"FLUI";
 
 /// What a checkpoint says of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +106,7 @@ fn read_state(sections: &mut Sections<'_>) -> Result<State, CheckpointError> {
         frozen: sections.optional(FROZEN)?,
         course: sections.optional(COURSE)?,
         averages: sections.optional(AVERAGES)?.unwrap_or_default(),
+        fluid: sections.optional(FLUID)?,
     })
 }
 
@@ -146,6 +149,9 @@ impl Engine {
         }
         if !state.averages.is_empty() {
             writer.section(AVERAGES, &state.averages);
+        }
+        if let Some(fluid) = &state.fluid {
+            writer.section(FLUID, fluid);
         }
         if let Some(scene) = &scene {
             writer.section(SCENE, scene);
@@ -192,8 +198,19 @@ impl Engine {
 
     /// Puts a checked state into an engine without particles; whether all that touches has found its place.
     fn put(&mut self, state: State) -> bool {
-        let State { clock, totals, boundaries, particles, springs, touching, loads, frozen, course, averages: _ } =
-            state;
+        let State {
+            clock,
+            totals,
+            boundaries,
+            particles,
+            springs,
+            touching,
+            loads,
+            fluid,
+            frozen,
+            course,
+            averages: _,
+        } = state;
         self.clock = clock;
         if let Some(course) = course {
             (self.stages, self.inflows) = (course.stages, course.inflows);
@@ -208,7 +225,7 @@ impl Engine {
         particles.iter().for_each(|row| row.push(&mut self.particles, frozen.as_ref()));
         self.frozen_power = frozen.map_or(0.0, |frozen| frozen.power);
         self.predict_present_motion();
-        self.loads = loads;
+        (self.loads, self.fluid) = (loads, fluid);
         self.kept_springs = springs;
         self.rebuild_neighbours_if_stale(self.clock.time_s());
         self.find_contacts();

@@ -10,6 +10,7 @@ use super::layout::{course_layout, course_layout_of_none};
 use crate::boundary::{Boundary, BoundaryMotion};
 use crate::clock::Clock;
 use crate::contact::{SavedSlot, SavedSphere, SpringRecord, Sums, Wrench};
+use crate::coupling::Fluid;
 use crate::energy::Ledger;
 use crate::engine::Engine;
 use crate::error::InvalidInput;
@@ -42,6 +43,7 @@ pub(super) struct State {
     pub course: Option<Course>,
     /// Means over time that are being taken.
     pub averages: Vec<SavedAverage>,
+    pub fluid: Option<Fluid>,
 }
 
 /// What the scene has done of its own accord.
@@ -197,6 +199,7 @@ impl State {
             frozen: Frozen::of(engine),
             course: Course::of(engine),
             averages: engine.averages.iter().map(Average::saved).collect(),
+            fluid: engine.fluid.as_ref().map(Fluid::saved),
         }
     }
 
@@ -205,6 +208,7 @@ impl State {
         self.clock.check(scene.time_step_s())?;
         self.check_boundaries(scene)?;
         self.loads.as_ref().map_or(Ok(()), Loads::check)?;
+        self.fluid.as_ref().map_or(Ok(()), |fluid| fluid.check(scene.shapes().len()))?;
         Course::check(self.course.as_ref(), scene, self.clock.step())?;
         let mut last = None;
         for (k, row) in self.particles.iter().enumerate() {

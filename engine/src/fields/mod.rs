@@ -17,6 +17,7 @@ mod pose;
 mod quantity;
 mod sample;
 mod shape_points;
+pub(crate) use shape_points::points_at;
 mod sources;
 #[cfg(test)]
 mod tests;

@@ -4,18 +4,22 @@ use crate::math::Vec3;
 use crate::shape::Shape;
 
 /// Points of a shape, about: few where the kernel is wide, more where it resolves the shape.
-const LEAST_POINTS: f64 = 64.0;
-const MOST_POINTS: f64 = 4096.0;
+const POINTS: [f64; 2] = [64.0, 4096.0];
 /// Distance of points over the width of the kernel, where that takes no more points than allowed.
 const SPACING: f64 = 0.7;
 /// Lattices to choose from.
 const LATTICES: u32 = 8;
 
-/// Points in the body frame at unit scale, about their mean.
+/// For a kernel of that width: points in the body frame at unit scale, about their mean.
 pub(super) fn shape_points(shape: &Shape, width: f64) -> Vec<Vec3> {
+    points_at(shape, SPACING * width, POINTS)
+}
+
+/// Points about `step` apart, in the body frame at unit scale, about their mean; about so many, `[least, most]`.
+pub(crate) fn points_at(shape: &Shape, step: f64, [least, most]: [f64; 2]) -> Vec<Vec3> {
     let volume = shape.mass_properties().volume;
     let spacing = |points: f64| (volume / points).cbrt();
-    let mut step = (SPACING * width).clamp(spacing(MOST_POINTS), spacing(LEAST_POINTS));
+    let mut step = step.clamp(spacing(most), spacing(least));
     for _ in 0..4 {
         // that of a few lattices whose cells fill the volume best: inside a shape the fraction is then 1
         let misfit = |points: &[Vec3], step: f64| (points.len() as f64 * step.powi(3) / volume - 1.0).abs();

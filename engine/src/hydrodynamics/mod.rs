@@ -32,7 +32,7 @@ use crate::math::{Mat3, Vec3};
 pub(crate) const STOKES: f64 = 3.0 * std::f64::consts::PI;
 
 /// The laws of one material or scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HydrodynamicLaws {
     /// Of one particle.
     pub drag: DragLaw,

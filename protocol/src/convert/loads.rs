@@ -27,7 +27,7 @@ pub fn loads_from_wire(loads: &v1::Loads, path: &str) -> Result<LoadDescription,
 }
 
 /// None when it was left out.
-fn rows<T: Number, const C: usize>(
+pub(super) fn rows<T: Number, const C: usize>(
     column: &Option<v1::Column>,
     path: &str,
     name: &str,
@@ -36,7 +36,7 @@ fn rows<T: Number, const C: usize>(
     columns::read(column).map_err(|error| InvalidInput::new(format!("{path}.{name}"), error.to_string()))
 }
 
-fn flat<T: Number>(column: &Option<v1::Column>, path: &str, name: &str) -> Result<Vec<T>, InvalidInput> {
+pub(super) fn flat<T: Number>(column: &Option<v1::Column>, path: &str, name: &str) -> Result<Vec<T>, InvalidInput> {
     Ok(rows::<T, 1>(column, path, name)?.into_flattened())
 }
 

@@ -7,6 +7,7 @@
 mod command;
 mod contacts;
 mod field;
+mod fluid;
 mod frame;
 mod loads;
 mod output;
@@ -19,6 +20,7 @@ pub use command::{
 };
 pub use contacts::{NO_BOUNDARY, NO_PARTICLE, contacts_to_wire};
 pub use field::{field_definition_from_wire, field_definition_to_wire, field_to_wire, quantity_name};
+pub use fluid::{exchange_to_wire, fluid_fields_from_wire, fluid_from_wire};
 pub use frame::{float_from_wire, float_to_wire, frame_to_wire};
 pub use loads::loads_from_wire;
 pub use output::{pace_from_wire, pace_to_wire};

@@ -17,6 +17,7 @@ pub fn role_for(verb: Verb) -> Role {
         | Verb::SetGravity
         | Verb::SetMotion
         | Verb::SetLoads
+        | Verb::SetFluid
         | Verb::Pause
         | Verb::Resume
         | Verb::Step
@@ -113,6 +114,7 @@ fn questions(keys: &Keys) -> Vec<String> {
         keys.report_latest(),
         keys.state_latest(),
         keys.contacts_latest(),
+        keys.exchange_latest(),
         keys.all_fields_latest(),
     ]
 }

@@ -1,9 +1,9 @@
 //! Requests of clients.
 
 use prost::bytes::Bytes;
-use sturz_client::{Amount, Insertion, Loads, Motion, Output, Pace, Placement, Region};
+use sturz_client::{Amount, FluidFields, Insertion, Loads, Motion, Output, Pace, Placement, Region};
 use sturz_protocol::keys::Verb;
-use sturz_protocol::{Request, v1};
+use sturz_protocol::{Request, columns, v1};
 use sturz_service::order::Order;
 use tokio::sync::oneshot;
 
@@ -184,10 +184,12 @@ fn changes() -> Vec<Request> {
             .map(|output| Request::DefineOutput(v1::DefineOutputRequest { header: None, output: Some(output.into()) })),
     );
     all.extend(fields().map(|field| Request::DefineField(v1::DefineFieldRequest { header: None, field: Some(field) })));
+    all.extend(fluids().map(|fluid| Request::SetFluid(v1::SetFluidRequest { header: None, fluid: Some(fluid) })));
     all.extend([
         Request::Remove(v1::RemoveRequest { header: None, ids: vec![1, 4] }),
         Request::SetGravity(v1::SetGravityRequest { header: None, gravity_m_per_s2: down }),
         Request::SetLoads(v1::SetLoadsRequest { header: None, loads: Some(loads().into()) }),
+        Request::SetFluid(v1::SetFluidRequest { header: None, fluid: None }),
         Request::DropField(v1::DropFieldRequest { header: None, name: "density".into() }),
         Request::Checkpoint(v1::CheckpointRequest { header: None, token: "a".into(), on_disk: false }),
         Request::Restore(v1::RestoreRequest { header: None, token: "a".into() }),
@@ -203,6 +205,7 @@ fn windows() -> Vec<Request> {
         fields: vec!["density".into()],
         float_type: v1::DataType::F32.into(),
         contacts: true,
+        exchange: true,
     };
     let window = |from, loads: Option<Loads>| v1::AdvanceRequest {
         header: None,
@@ -210,6 +213,7 @@ fn windows() -> Vec<Request> {
         window_s: 2e-5,
         outputs: Some(outputs.clone()),
         loads: loads.map(Into::into),
+        fluid: None,
     };
     let no_length = v1::AdvanceRequest { window_s: 1e-5, ..window(From::FromStep(100), Some(loads())) };
     vec![
@@ -217,7 +221,35 @@ fn windows() -> Vec<Request> {
         Request::Advance(window(From::FromStep(100), None)),
         Request::Advance(window(From::FromTimeS(1e-3), Some(loads()))),
         Request::Advance(no_length),
+        Request::Advance(v1::AdvanceRequest { fluid: Some(fluid_fields(8)), ..window(From::FromStep(100), None) }),
     ]
+}
+
+fn fluid_fields(n: usize) -> v1::FluidFields {
+    let rows = vec![[0.1, 0.0, -0.2]; n];
+    FluidFields { velocity_m_per_s: rows.clone(), pressure_gradient_pa_per_m: rows, ramp_s: 2e-5, ..Default::default() }
+        .into()
+}
+
+/// Everywhere the same, on boxes, and on points.
+fn fluids() -> [v1::FluidDefinition; 3] {
+    use v1::fluid_definition::Mesh;
+    let plain = v1::FluidDefinition {
+        density_kg_per_m3: 1000.0,
+        viscosity_pa_s: 1e-3,
+        drag: v1::DragLaw::HolzerSommerfeld.into(),
+        lift: v1::LiftLaw::CrossFlow.into(),
+        added_mass_coefficient: 0.5,
+        buoyancy: true,
+        ..Default::default()
+    };
+    let spacing = Some(v1::Vec3 { x: 0.05, y: 0.05, z: 0.05 });
+    let boxes = v1::StructuredMesh { spacing_m: spacing, count_x: 2, count_y: 2, count_z: 2, ..Default::default() };
+    let points_m = Some(columns::rows("points_m", "m", &[[0.0, 0.0, 0.01], [0.02, 0.0, 0.01]]));
+    let volumes_m3 = Some(columns::flat("volumes_m3", "m3", 1, &[1e-5, 1e-5]));
+    let points = v1::PointMesh { points_m, volumes_m3 };
+    let on = |mesh| v1::FluidDefinition { mesh: Some(mesh), smoothing_length_m: Some(0.04), ..plain.clone() };
+    [plain.clone(), on(Mesh::Structured(boxes)), on(Mesh::Points(points))]
 }
 
 /// Every command is among the seeds, and sound as a message.

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use sturz_engine::scene::{Scene, SceneDescription};
-use sturz_engine::{Command, Engine, LoadDescription};
+use sturz_engine::{Command, Engine, FluidDescription, LoadDescription, MeshDescription};
 use sturz_service::config::Limits;
 use sturz_service::mailbox::mailbox;
 use sturz_service::outbox::Outbox;
@@ -114,6 +114,14 @@ pub fn engine_under_way() -> anyhow::Result<Engine> {
         ..Default::default()
     };
     engine.apply(&Command::SetLoads(loads))?;
+    let mesh = MeshDescription::Structured {
+        origin_m: [-0.05, -0.05, -0.05],
+        spacing_m: [0.05; 3],
+        counts: [2; 3],
+        sides: Default::default(),
+    };
+    let fluid = FluidDescription { mesh: Some(mesh), smoothing_length_m: Some(0.04), ..Default::default() };
+    engine.apply(&Command::SetFluid(Some(Box::new(fluid))))?;
     for _ in 0..200 {
         engine.step()?;
     }

@@ -203,6 +203,10 @@ fn request(verb: Verb, chance: &mut Chance) -> Request {
             header,
             loads: Some(v1::Loads { topology_epoch: chance.bits(), ramp_s: strange(chance), ..Default::default() }),
         }),
+        Verb::SetFluid => Request::SetFluid(v1::SetFluidRequest {
+            header,
+            fluid: Some(v1::FluidDefinition { density_kg_per_m3: strange(chance), ..Default::default() }),
+        }),
         Verb::Pause => Request::Pause(v1::PauseRequest { header }),
         Verb::Resume => Request::Resume(v1::ResumeRequest { header }),
         Verb::Step => Request::Step(v1::StepRequest { header, steps: chance.below(2) * chance.bits() }),
@@ -239,6 +243,9 @@ fn is_harmless(verb: Verb, payload: &[u8]) -> bool {
         Ok(Request::Insert(request)) => !["bead", "cube"].contains(&&*request.shape),
         Ok(Request::Remove(request)) => request.ids.iter().any(|&id| id > 1000),
         Ok(Request::SetMotion(request)) => request.boundary != "drum",
+        Ok(Request::SetFluid(request)) => {
+            request.fluid.is_none_or(|fluid| !(fluid.density_kg_per_m3 > 0.0 && fluid.viscosity_pa_s > 0.0))
+        }
         Ok(_) => true,
     }
 }

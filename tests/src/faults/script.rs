@@ -143,6 +143,7 @@ fn request(info: &v1::Info, action: &Action) -> Request {
                 window_s,
                 outputs: None,
                 loads: Some(loads.into()),
+                fluid: None,
             })
         }
         Action::Step(steps) => Request::Step(v1::StepRequest { header: None, steps }),

@@ -88,6 +88,11 @@ impl Simulation {
         self.call(call::set_loads(loads.into())).await
     }
 
+    /// As [`crate::Simulation::set_fluid`].
+    pub async fn set_fluid(&self, fluid: Option<v1::FluidDefinition>) -> Result<Applied, ClientError> {
+        self.call(call::set_fluid(fluid)).await
+    }
+
     /// As [`crate::Simulation::pause`].
     pub async fn pause(&self) -> Result<Applied, ClientError> {
         self.call(call::pause()).await

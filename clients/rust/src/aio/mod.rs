@@ -54,6 +54,7 @@ use crate::bus::Question;
 use crate::contacts::Contacts;
 use crate::error::ClientError;
 use crate::field::Field;
+use crate::fluid::Exchange;
 use crate::queue::Popped;
 use crate::request::FloatType;
 use crate::simulation::{decode, selector};
@@ -186,6 +187,11 @@ impl Simulation {
     pub async fn contacts(&self, columns: &[&str], float_type: FloatType) -> Result<Contacts, ClientError> {
         let selector = selector(self.blocking.bus.keys.contacts_latest(), columns, float_type);
         Ok(Contacts::new(self.ask(&selector).await?))
+    }
+
+    /// As [`crate::Simulation::exchange`].
+    pub async fn exchange(&self) -> Result<Exchange, ClientError> {
+        Ok(Exchange::new(self.ask(&self.blocking.bus.keys.exchange_latest()).await?))
     }
 
     /// As [`crate::Simulation::field`].

@@ -18,13 +18,16 @@ use super::HydroShape;
 use crate::math::Vec3;
 
 /// Law of the drag of one particle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DragLaw {
+    /// No drag, whatever the swarm.
+    None,
     /// Creeping flow past the sphere of the same volume.
     Stokes,
     /// Spheres; of the same volume, where the body is none.
     SchillerNaumann,
     /// By sphericity; any orientation.
+    #[default]
     HaiderLevenspiel,
     /// By sphericity; any orientation.
     Ganser,
@@ -36,6 +39,7 @@ impl DragLaw {
     /// Where the law has been measured.
     pub fn range(self) -> &'static str {
         match self {
+            Self::None => "any",
             Self::Stokes => stokes::RANGE,
             Self::SchillerNaumann => schiller_naumann::RANGE,
             Self::HaiderLevenspiel => haider_levenspiel::RANGE,
@@ -47,6 +51,7 @@ impl DragLaw {
     /// Author, year, journal and equation.
     pub fn source(self) -> &'static str {
         match self {
+            Self::None => "none",
             Self::Stokes => stokes::SOURCE,
             Self::SchillerNaumann => schiller_naumann::SOURCE,
             Self::HaiderLevenspiel => haider_levenspiel::SOURCE,
@@ -66,6 +71,7 @@ impl DragLaw {
     #[inline]
     pub fn factor(self, shape: &HydroShape, direction_in_body: &Vec3, reynolds: f64) -> f64 {
         match self {
+            Self::None => 0.0,
             Self::Stokes => 1.0,
             Self::SchillerNaumann => schiller_naumann::factor(reynolds),
             Self::HaiderLevenspiel => shape.haider_levenspiel.factor(reynolds),

@@ -7,9 +7,10 @@ pub(crate) use cross_flow::cross_flow;
 pub(crate) use saffman_mei::saffman_mei;
 
 /// Law of the lift.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LiftLaw {
     /// No lift.
+    #[default]
     None,
     /// Of a sphere in a shear flow; needs the vorticity.
     SaffmanMei,

@@ -6,18 +6,20 @@ mod rosendahl;
 pub(crate) use rosendahl::pitching_torque;
 
 /// Law of the torque about the centre of mass that a uniform flow exerts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PitchingLaw {
     /// No torque.
+    #[default]
     None,
     /// Drag and lift act at a centre of pressure on the longest axis; zero for bodies without a longest axis.
     Rosendahl,
 }
 
 /// Law of the drag of rotation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RotationalDragLaw {
     /// No torque.
+    #[default]
     None,
     /// Creeping flow about the sphere of the same volume.
     Stokes,

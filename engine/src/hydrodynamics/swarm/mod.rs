@@ -23,11 +23,12 @@ use crate::math::Vec3;
 pub const LEAST_VOID_FRACTION: f64 = 0.2;
 
 /// Law of the drag in a swarm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VoidageLaw {
     /// The drag of one particle, whatever the void fraction; Re is then rho |w| d / mu.
     None,
     /// A power of the void fraction times the one-particle law.
+    #[default]
     DiFelice,
     /// Ergun's law in dense beds, Wen and Yu's power of the void fraction in dilute ones.
     Gidaspow,
@@ -95,7 +96,7 @@ impl VoidageLaw {
         void_fraction: f64,
         reynolds_alone: f64,
     ) -> f64 {
-        if self == Self::None {
+        if self == Self::None || drag == DragLaw::None {
             return drag.factor(shape, direction, reynolds_alone);
         }
         let void_fraction = void_fraction.clamp(LEAST_VOID_FRACTION, 1.0);

@@ -7,6 +7,49 @@ from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Map
 
 DESCRIPTOR: _descriptor.FileDescriptor
 
+class DragLaw(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    DRAG_LAW_UNSPECIFIED: _ClassVar[DragLaw]
+    DRAG_LAW_NONE: _ClassVar[DragLaw]
+    DRAG_LAW_STOKES: _ClassVar[DragLaw]
+    DRAG_LAW_SCHILLER_NAUMANN: _ClassVar[DragLaw]
+    DRAG_LAW_HAIDER_LEVENSPIEL: _ClassVar[DragLaw]
+    DRAG_LAW_GANSER: _ClassVar[DragLaw]
+    DRAG_LAW_HOLZER_SOMMERFELD: _ClassVar[DragLaw]
+
+class VoidageLaw(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    VOIDAGE_LAW_UNSPECIFIED: _ClassVar[VoidageLaw]
+    VOIDAGE_LAW_NONE: _ClassVar[VoidageLaw]
+    VOIDAGE_LAW_DI_FELICE: _ClassVar[VoidageLaw]
+    VOIDAGE_LAW_GIDASPOW: _ClassVar[VoidageLaw]
+    VOIDAGE_LAW_TENNETI: _ClassVar[VoidageLaw]
+    VOIDAGE_LAW_BEETSTRA: _ClassVar[VoidageLaw]
+
+class LiftLaw(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    LIFT_LAW_UNSPECIFIED: _ClassVar[LiftLaw]
+    LIFT_LAW_SAFFMAN_MEI: _ClassVar[LiftLaw]
+    LIFT_LAW_CROSS_FLOW: _ClassVar[LiftLaw]
+
+class PitchingLaw(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    PITCHING_LAW_UNSPECIFIED: _ClassVar[PitchingLaw]
+    PITCHING_LAW_ROSENDAHL: _ClassVar[PitchingLaw]
+
+class RotationalDragLaw(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    ROTATIONAL_DRAG_LAW_UNSPECIFIED: _ClassVar[RotationalDragLaw]
+    ROTATIONAL_DRAG_LAW_STOKES: _ClassVar[RotationalDragLaw]
+    ROTATIONAL_DRAG_LAW_DENNIS: _ClassVar[RotationalDragLaw]
+
+class MeshSide(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    MESH_SIDE_UNSPECIFIED: _ClassVar[MeshSide]
+    MESH_SIDE_CLOSED: _ClassVar[MeshSide]
+    MESH_SIDE_OPEN: _ClassVar[MeshSide]
+    MESH_SIDE_PERIODIC: _ClassVar[MeshSide]
+
 class StopReason(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
     STOP_REASON_UNSPECIFIED: _ClassVar[StopReason]
@@ -34,6 +77,31 @@ class ErrorCode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     ERROR_CODE_DISK: _ClassVar[ErrorCode]
     ERROR_CODE_LEASE: _ClassVar[ErrorCode]
     ERROR_CODE_RECORDING: _ClassVar[ErrorCode]
+DRAG_LAW_UNSPECIFIED: DragLaw
+DRAG_LAW_NONE: DragLaw
+DRAG_LAW_STOKES: DragLaw
+DRAG_LAW_SCHILLER_NAUMANN: DragLaw
+DRAG_LAW_HAIDER_LEVENSPIEL: DragLaw
+DRAG_LAW_GANSER: DragLaw
+DRAG_LAW_HOLZER_SOMMERFELD: DragLaw
+VOIDAGE_LAW_UNSPECIFIED: VoidageLaw
+VOIDAGE_LAW_NONE: VoidageLaw
+VOIDAGE_LAW_DI_FELICE: VoidageLaw
+VOIDAGE_LAW_GIDASPOW: VoidageLaw
+VOIDAGE_LAW_TENNETI: VoidageLaw
+VOIDAGE_LAW_BEETSTRA: VoidageLaw
+LIFT_LAW_UNSPECIFIED: LiftLaw
+LIFT_LAW_SAFFMAN_MEI: LiftLaw
+LIFT_LAW_CROSS_FLOW: LiftLaw
+PITCHING_LAW_UNSPECIFIED: PitchingLaw
+PITCHING_LAW_ROSENDAHL: PitchingLaw
+ROTATIONAL_DRAG_LAW_UNSPECIFIED: RotationalDragLaw
+ROTATIONAL_DRAG_LAW_STOKES: RotationalDragLaw
+ROTATIONAL_DRAG_LAW_DENNIS: RotationalDragLaw
+MESH_SIDE_UNSPECIFIED: MeshSide
+MESH_SIDE_CLOSED: MeshSide
+MESH_SIDE_OPEN: MeshSide
+MESH_SIDE_PERIODIC: MeshSide
 STOP_REASON_UNSPECIFIED: StopReason
 STOP_REASON_COMPLETE: StopReason
 STOP_REASON_PAUSED: StopReason
@@ -361,6 +429,98 @@ class SetLoadsRequest(_message.Message):
     loads: Loads
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
 
+class StructuredMesh(_message.Message):
+    __slots__ = ("origin_m", "spacing_m", "count_x", "count_y", "count_z", "x_low", "x_high", "y_low", "y_high", "z_low", "z_high")
+    ORIGIN_M_FIELD_NUMBER: _ClassVar[int]
+    SPACING_M_FIELD_NUMBER: _ClassVar[int]
+    COUNT_X_FIELD_NUMBER: _ClassVar[int]
+    COUNT_Y_FIELD_NUMBER: _ClassVar[int]
+    COUNT_Z_FIELD_NUMBER: _ClassVar[int]
+    X_LOW_FIELD_NUMBER: _ClassVar[int]
+    X_HIGH_FIELD_NUMBER: _ClassVar[int]
+    Y_LOW_FIELD_NUMBER: _ClassVar[int]
+    Y_HIGH_FIELD_NUMBER: _ClassVar[int]
+    Z_LOW_FIELD_NUMBER: _ClassVar[int]
+    Z_HIGH_FIELD_NUMBER: _ClassVar[int]
+    origin_m: _data_pb2.Vec3
+    spacing_m: _data_pb2.Vec3
+    count_x: int
+    count_y: int
+    count_z: int
+    x_low: MeshSide
+    x_high: MeshSide
+    y_low: MeshSide
+    y_high: MeshSide
+    z_low: MeshSide
+    z_high: MeshSide
+    def __init__(self, origin_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., spacing_m: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., count_x: _Optional[int] = ..., count_y: _Optional[int] = ..., count_z: _Optional[int] = ..., x_low: _Optional[_Union[MeshSide, str]] = ..., x_high: _Optional[_Union[MeshSide, str]] = ..., y_low: _Optional[_Union[MeshSide, str]] = ..., y_high: _Optional[_Union[MeshSide, str]] = ..., z_low: _Optional[_Union[MeshSide, str]] = ..., z_high: _Optional[_Union[MeshSide, str]] = ...) -> None: ...
+
+class PointMesh(_message.Message):
+    __slots__ = ("points_m", "volumes_m3")
+    POINTS_M_FIELD_NUMBER: _ClassVar[int]
+    VOLUMES_M3_FIELD_NUMBER: _ClassVar[int]
+    points_m: _data_pb2.Column
+    volumes_m3: _data_pb2.Column
+    def __init__(self, points_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., volumes_m3: _Optional[_Union[_data_pb2.Column, _Mapping]] = ...) -> None: ...
+
+class FluidDefinition(_message.Message):
+    __slots__ = ("density_kg_per_m3", "viscosity_pa_s", "velocity_m_per_s", "structured", "points", "smoothing_length_m", "void_fraction", "least_void_fraction", "drag", "voidage", "lift", "pitching", "rotational_drag", "added_mass_coefficient", "buoyancy", "refresh_steps")
+    DENSITY_KG_PER_M3_FIELD_NUMBER: _ClassVar[int]
+    VISCOSITY_PA_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    STRUCTURED_FIELD_NUMBER: _ClassVar[int]
+    POINTS_FIELD_NUMBER: _ClassVar[int]
+    SMOOTHING_LENGTH_M_FIELD_NUMBER: _ClassVar[int]
+    VOID_FRACTION_FIELD_NUMBER: _ClassVar[int]
+    LEAST_VOID_FRACTION_FIELD_NUMBER: _ClassVar[int]
+    DRAG_FIELD_NUMBER: _ClassVar[int]
+    VOIDAGE_FIELD_NUMBER: _ClassVar[int]
+    LIFT_FIELD_NUMBER: _ClassVar[int]
+    PITCHING_FIELD_NUMBER: _ClassVar[int]
+    ROTATIONAL_DRAG_FIELD_NUMBER: _ClassVar[int]
+    ADDED_MASS_COEFFICIENT_FIELD_NUMBER: _ClassVar[int]
+    BUOYANCY_FIELD_NUMBER: _ClassVar[int]
+    REFRESH_STEPS_FIELD_NUMBER: _ClassVar[int]
+    density_kg_per_m3: float
+    viscosity_pa_s: float
+    velocity_m_per_s: _data_pb2.Vec3
+    structured: StructuredMesh
+    points: PointMesh
+    smoothing_length_m: float
+    void_fraction: float
+    least_void_fraction: float
+    drag: DragLaw
+    voidage: VoidageLaw
+    lift: LiftLaw
+    pitching: PitchingLaw
+    rotational_drag: RotationalDragLaw
+    added_mass_coefficient: float
+    buoyancy: bool
+    refresh_steps: int
+    def __init__(self, density_kg_per_m3: _Optional[float] = ..., viscosity_pa_s: _Optional[float] = ..., velocity_m_per_s: _Optional[_Union[_data_pb2.Vec3, _Mapping]] = ..., structured: _Optional[_Union[StructuredMesh, _Mapping]] = ..., points: _Optional[_Union[PointMesh, _Mapping]] = ..., smoothing_length_m: _Optional[float] = ..., void_fraction: _Optional[float] = ..., least_void_fraction: _Optional[float] = ..., drag: _Optional[_Union[DragLaw, str]] = ..., voidage: _Optional[_Union[VoidageLaw, str]] = ..., lift: _Optional[_Union[LiftLaw, str]] = ..., pitching: _Optional[_Union[PitchingLaw, str]] = ..., rotational_drag: _Optional[_Union[RotationalDragLaw, str]] = ..., added_mass_coefficient: _Optional[float] = ..., buoyancy: bool = ..., refresh_steps: _Optional[int] = ...) -> None: ...
+
+class FluidFields(_message.Message):
+    __slots__ = ("velocity_m_per_s", "pressure_gradient_pa_per_m", "acceleration_m_per_s2", "vorticity_rad_per_s", "ramp_s")
+    VELOCITY_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    PRESSURE_GRADIENT_PA_PER_M_FIELD_NUMBER: _ClassVar[int]
+    ACCELERATION_M_PER_S2_FIELD_NUMBER: _ClassVar[int]
+    VORTICITY_RAD_PER_S_FIELD_NUMBER: _ClassVar[int]
+    RAMP_S_FIELD_NUMBER: _ClassVar[int]
+    velocity_m_per_s: _data_pb2.Column
+    pressure_gradient_pa_per_m: _data_pb2.Column
+    acceleration_m_per_s2: _data_pb2.Column
+    vorticity_rad_per_s: _data_pb2.Column
+    ramp_s: float
+    def __init__(self, velocity_m_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., pressure_gradient_pa_per_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., acceleration_m_per_s2: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., vorticity_rad_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., ramp_s: _Optional[float] = ...) -> None: ...
+
+class SetFluidRequest(_message.Message):
+    __slots__ = ("header", "fluid")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    FLUID_FIELD_NUMBER: _ClassVar[int]
+    header: CommandHeader
+    fluid: FluidDefinition
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., fluid: _Optional[_Union[FluidDefinition, _Mapping]] = ...) -> None: ...
+
 class PauseRequest(_message.Message):
     __slots__ = ("header",)
     HEADER_FIELD_NUMBER: _ClassVar[int]
@@ -382,32 +542,36 @@ class StepRequest(_message.Message):
     def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., steps: _Optional[int] = ...) -> None: ...
 
 class AdvanceRequest(_message.Message):
-    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs", "loads")
+    __slots__ = ("header", "from_time_s", "from_step", "window_s", "outputs", "loads", "fluid")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
     FROM_STEP_FIELD_NUMBER: _ClassVar[int]
     WINDOW_S_FIELD_NUMBER: _ClassVar[int]
     OUTPUTS_FIELD_NUMBER: _ClassVar[int]
     LOADS_FIELD_NUMBER: _ClassVar[int]
+    FLUID_FIELD_NUMBER: _ClassVar[int]
     header: CommandHeader
     from_time_s: float
     from_step: int
     window_s: float
     outputs: Outputs
     loads: Loads
-    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ...) -> None: ...
+    fluid: FluidFields
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., from_time_s: _Optional[float] = ..., from_step: _Optional[int] = ..., window_s: _Optional[float] = ..., outputs: _Optional[_Union[Outputs, _Mapping]] = ..., loads: _Optional[_Union[Loads, _Mapping]] = ..., fluid: _Optional[_Union[FluidFields, _Mapping]] = ...) -> None: ...
 
 class Outputs(_message.Message):
-    __slots__ = ("columns", "fields", "float_type", "contacts")
+    __slots__ = ("columns", "fields", "float_type", "contacts", "exchange")
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     FIELDS_FIELD_NUMBER: _ClassVar[int]
     FLOAT_TYPE_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
+    EXCHANGE_FIELD_NUMBER: _ClassVar[int]
     columns: _containers.RepeatedScalarFieldContainer[str]
     fields: _containers.RepeatedScalarFieldContainer[str]
     float_type: _data_pb2.DataType
     contacts: bool
-    def __init__(self, columns: _Optional[_Iterable[str]] = ..., fields: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[_data_pb2.DataType, str]] = ..., contacts: bool = ...) -> None: ...
+    exchange: bool
+    def __init__(self, columns: _Optional[_Iterable[str]] = ..., fields: _Optional[_Iterable[str]] = ..., float_type: _Optional[_Union[_data_pb2.DataType, str]] = ..., contacts: bool = ..., exchange: bool = ...) -> None: ...
 
 class DefineFieldRequest(_message.Message):
     __slots__ = ("header", "field")
@@ -556,7 +720,7 @@ class Stepped(_message.Message):
     def __init__(self, steps_done: _Optional[int] = ..., step: _Optional[int] = ..., time_reached_s: _Optional[float] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ...) -> None: ...
 
 class Advanced(_message.Message):
-    __slots__ = ("time_reached_s", "step", "steps_done", "window_steps", "stop_reason", "frame", "fields", "contacts")
+    __slots__ = ("time_reached_s", "step", "steps_done", "window_steps", "stop_reason", "frame", "fields", "contacts", "exchange")
     TIME_REACHED_S_FIELD_NUMBER: _ClassVar[int]
     STEP_FIELD_NUMBER: _ClassVar[int]
     STEPS_DONE_FIELD_NUMBER: _ClassVar[int]
@@ -565,6 +729,7 @@ class Advanced(_message.Message):
     FRAME_FIELD_NUMBER: _ClassVar[int]
     FIELDS_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
+    EXCHANGE_FIELD_NUMBER: _ClassVar[int]
     time_reached_s: float
     step: int
     steps_done: int
@@ -573,7 +738,8 @@ class Advanced(_message.Message):
     frame: _data_pb2.Frame
     fields: _containers.RepeatedCompositeFieldContainer[_data_pb2.FieldFrame]
     contacts: _data_pb2.ContactFrame
-    def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ..., contacts: _Optional[_Union[_data_pb2.ContactFrame, _Mapping]] = ...) -> None: ...
+    exchange: _data_pb2.ExchangeFrame
+    def __init__(self, time_reached_s: _Optional[float] = ..., step: _Optional[int] = ..., steps_done: _Optional[int] = ..., window_steps: _Optional[int] = ..., stop_reason: _Optional[_Union[StopReason, str]] = ..., frame: _Optional[_Union[_data_pb2.Frame, _Mapping]] = ..., fields: _Optional[_Iterable[_Union[_data_pb2.FieldFrame, _Mapping]]] = ..., contacts: _Optional[_Union[_data_pb2.ContactFrame, _Mapping]] = ..., exchange: _Optional[_Union[_data_pb2.ExchangeFrame, _Mapping]] = ...) -> None: ...
 
 class Checkpoint(_message.Message):
     __slots__ = ("token", "step", "sim_time_s", "particles", "topology_epoch", "state_hash", "bytes", "on_disk")

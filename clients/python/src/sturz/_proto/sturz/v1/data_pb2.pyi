@@ -365,3 +365,29 @@ class FieldFrame(_message.Message):
     grid_origin_m: Vec3
     grid_orientation: Quaternion
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., name: _Optional[str] = ..., grid: _Optional[_Union[Grid, _Mapping]] = ..., kernel: _Optional[str] = ..., width_m: _Optional[float] = ..., cutoff_widths: _Optional[float] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., total_mass_kg: _Optional[float] = ..., total_momentum_kg_m_per_s: _Optional[_Union[Vec3, _Mapping]] = ..., standard_errors: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., more_widths: _Optional[_Iterable[_Union[FieldWidth, _Mapping]]] = ..., samples: _Optional[int] = ..., blocks: _Optional[int] = ..., from_time_s: _Optional[float] = ..., grid_origin_m: _Optional[_Union[Vec3, _Mapping]] = ..., grid_orientation: _Optional[_Union[Quaternion, _Mapping]] = ...) -> None: ...
+
+class ExchangeFrame(_message.Message):
+    __slots__ = ("header", "from_time_s", "columns", "solid_volume_m3", "immersed_volume_m3", "outside", "impulse_on_fluid_n_s", "pressure_impulse_n_s", "buoyancy_impulse_n_s", "momentum_kg_m_per_s", "refreshes")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    FROM_TIME_S_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    SOLID_VOLUME_M3_FIELD_NUMBER: _ClassVar[int]
+    IMMERSED_VOLUME_M3_FIELD_NUMBER: _ClassVar[int]
+    OUTSIDE_FIELD_NUMBER: _ClassVar[int]
+    IMPULSE_ON_FLUID_N_S_FIELD_NUMBER: _ClassVar[int]
+    PRESSURE_IMPULSE_N_S_FIELD_NUMBER: _ClassVar[int]
+    BUOYANCY_IMPULSE_N_S_FIELD_NUMBER: _ClassVar[int]
+    MOMENTUM_KG_M_PER_S_FIELD_NUMBER: _ClassVar[int]
+    REFRESHES_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    from_time_s: float
+    columns: _containers.RepeatedCompositeFieldContainer[Column]
+    solid_volume_m3: float
+    immersed_volume_m3: float
+    outside: int
+    impulse_on_fluid_n_s: Vec3
+    pressure_impulse_n_s: Vec3
+    buoyancy_impulse_n_s: Vec3
+    momentum_kg_m_per_s: Vec3
+    refreshes: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., from_time_s: _Optional[float] = ..., columns: _Optional[_Iterable[_Union[Column, _Mapping]]] = ..., solid_volume_m3: _Optional[float] = ..., immersed_volume_m3: _Optional[float] = ..., outside: _Optional[int] = ..., impulse_on_fluid_n_s: _Optional[_Union[Vec3, _Mapping]] = ..., pressure_impulse_n_s: _Optional[_Union[Vec3, _Mapping]] = ..., buoyancy_impulse_n_s: _Optional[_Union[Vec3, _Mapping]] = ..., momentum_kg_m_per_s: _Optional[_Union[Vec3, _Mapping]] = ..., refreshes: _Optional[int] = ...) -> None: ...
