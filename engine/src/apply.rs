@@ -18,7 +18,9 @@ impl Engine {
             Command::SetGravity(gravity) => self.set_gravity(gravity),
             Command::SetMotion { boundary, motion } => self.set_motion(boundary, motion),
             Command::SetLoads(loads) => self.set_loads(loads).map(|()| Effect::LoadsSet),
-            Command::SetFluid(fluid) => self.set_fluid(fluid.as_deref()).map(|()| Effect::FluidSet),
+            Command::SetFluid { fluid, fields } => {
+                self.set_fluid(fluid.as_deref(), fields.as_deref()).map(|()| Effect::FluidSet)
+            }
             Command::SetFluidFields(fields) => self.set_fluid_fields(fields.as_deref()).map(|()| Effect::FluidSet),
         }
     }

@@ -23,7 +23,12 @@ pub enum Command {
     /// Replaces the loads from outside, from the present time on.
     SetLoads(LoadDescription),
     /// Puts a fluid around the particles, or takes it away.
-    SetFluid(Option<Box<FluidDescription>>),
+    SetFluid {
+        /// None: away with it.
+        fluid: Option<Box<FluidDescription>>,
+        /// At once, on its mesh; its own velocity everywhere without them.
+        fields: Option<Box<FluidFields>>,
+    },
     /// Gives the fluid new fields, or none; impulses on it are counted anew from now on.
     SetFluidFields(Option<Box<FluidFields>>),
 }

@@ -305,7 +305,10 @@ fn refused(command: &Command, mut input: InvalidInput) -> v1::Error {
         Command::Remove(_) => tail(&input.path, "remove").into(),
         Command::SetGravity(_) => tail(&input.path, "set_gravity").into(),
         Command::SetLoads(_) => format!("loads.{}", tail(&input.path, "set_loads")),
-        Command::SetFluid(fluid) => fluid_path(fluid.as_deref(), &input.path),
+        Command::SetFluid { .. } if input.path.starts_with("fluid_fields") => {
+            input.path.replacen("fluid_fields", "fields", 1)
+        }
+        Command::SetFluid { fluid, .. } => fluid_path(fluid.as_deref(), &input.path),
         Command::SetFluidFields(_) => input.path.replacen("fluid_fields", "fluid", 1),
     };
     input.path = path;

@@ -235,7 +235,9 @@ fn body(request: &Request, limits: &Limits) -> Result<Body, v1::Error> {
             let fluid = request.fluid.as_ref().map(|fluid| convert::fluid_from_wire(fluid, "fluid"));
             let fluid = fluid.transpose().map_err(invalid)?;
             check_mesh(fluid.as_ref(), limits)?;
-            Ok(Body::Change(Command::SetFluid(fluid.map(Box::new))))
+            let fields = request.fields.as_ref().map(|fields| convert::fluid_fields_from_wire(fields, "fields"));
+            let fields = fields.transpose().map_err(invalid)?.map(Box::new);
+            Ok(Body::Change(Command::SetFluid { fluid: fluid.map(Box::new), fields }))
         }
         Request::Pause(_) => Ok(Body::Pause),
         Request::Resume(_) => Ok(Body::Resume),

@@ -56,8 +56,8 @@ pub(crate) fn set_loads(loads: v1::Loads) -> Call<Applied> {
     Call::quick(Request::SetLoads(v1::SetLoadsRequest { header: None, loads: Some(loads) }))
 }
 
-pub(crate) fn set_fluid(fluid: Option<v1::FluidDefinition>) -> Call<Applied> {
-    Call::quick(Request::SetFluid(v1::SetFluidRequest { header: None, fluid }))
+pub(crate) fn set_fluid(fluid: Option<v1::FluidDefinition>, fields: Option<v1::FluidFields>) -> Call<Applied> {
+    Call::quick(Request::SetFluid(v1::SetFluidRequest { header: None, fluid, fields }))
 }
 
 pub(crate) fn pause() -> Call<Applied> {

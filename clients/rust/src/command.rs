@@ -10,6 +10,7 @@ use sturz_protocol::{Request, v1};
 use crate::bus::Question;
 use crate::call::{self, Call};
 use crate::error::ClientError;
+use crate::fluid::FluidFields;
 use crate::later::Later;
 use crate::outcome::{
     Advanced, Applied, Checkpointed, Checkpoints, Inserted, Kind, Removed, Restored, Stepped, accepted, time_reached_s,
@@ -114,9 +115,14 @@ impl Simulation {
         self.call(call::set_loads(loads.into()))
     }
 
-    /// Puts a fluid around the particles, instead of the one before, or takes it away: see `docs/coupling.md`.
-    pub fn set_fluid(&self, fluid: Option<v1::FluidDefinition>) -> Result<Applied, ClientError> {
-        self.call(call::set_fluid(fluid))
+    /// Puts a fluid around the particles, instead of the one before, with fields on its mesh, or takes it away: see
+    /// `docs/coupling.md`.
+    pub fn set_fluid(
+        &self,
+        fluid: Option<v1::FluidDefinition>,
+        fields: Option<FluidFields>,
+    ) -> Result<Applied, ClientError> {
+        self.call(call::set_fluid(fluid, fields.map(Into::into)))
     }
 
     /// Stops stepping, and ends a window in flight early.

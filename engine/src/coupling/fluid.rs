@@ -525,20 +525,33 @@ fn poses(particles: &Particles, rows: &[u32]) -> Vec<Pose> {
 
 impl Engine {
     /// Puts a fluid around the particles, or takes it away.
-    pub(crate) fn set_fluid(&mut self, description: Option<&FluidDescription>) -> Result<(), InvalidInput> {
+    pub(crate) fn set_fluid(
+        &mut self,
+        description: Option<&FluidDescription>,
+        fields: Option<&FluidFields>,
+    ) -> Result<(), InvalidInput> {
         let Some(description) = description else {
-            self.fluid = None;
-            return Ok(());
+            return match fields {
+                None => {
+                    self.fluid = None;
+                    Ok(())
+                }
+                Some(_) => Err(InvalidInput::new("fluid_fields", "is there, but no fluid to be that of")),
+            };
         };
         description.check()?;
+        if let Some(fields) = fields {
+            let no_mesh = || InvalidInput::new("fluid_fields", "is there, but the fluid has no mesh");
+            fields.check(description.mesh.as_ref().ok_or_else(no_mesh)?.len())?;
+        }
         if let Some((mesh, length)) = description.mesh.as_ref().zip(description.smoothing_length_m) {
             mesh.check_weights(length, &self.particles.radius[..self.particles.n_owned()])?;
         }
         let scene = std::sync::Arc::clone(&self.written);
         let now_s = self.clock.time_s();
         self.fluid = Some(self.in_pool(|_| Fluid::new(description.clone(), &scene, now_s)));
-        self.in_pool(Self::look_at_fluid);
-        Ok(())
+        let at_once = fields.map(|fields| FluidFields { ramp_s: 0.0, ..fields.clone() });
+        self.set_fluid_fields(at_once.as_ref())
     }
 
     /// Gives the fluid new fields, or none: then those that there are go on. Impulses are counted anew from now.

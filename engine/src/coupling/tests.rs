@@ -66,7 +66,7 @@ fn in_mesh(drag: DragLaw, mesh: MeshDescription, h: f64) -> FluidDescription {
 }
 
 fn set(engine: &mut Engine, fluid: FluidDescription) {
-    engine.apply(&Command::SetFluid(Some(Box::new(fluid)))).unwrap();
+    engine.apply(&Command::SetFluid { fluid: Some(Box::new(fluid)), fields: None }).unwrap();
 }
 
 fn give(engine: &mut Engine, fields: FluidFields) {
@@ -304,7 +304,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     let hash = engine.state_hash();
     let good = in_mesh(DragLaw::Stokes, mesh([12, 12, 13], [5e-3; 3], Side::Closed), 8e-3);
     let mut refuse = |fluid: FluidDescription, path: &str| {
-        let refusal = engine.apply(&Command::SetFluid(Some(Box::new(fluid)))).unwrap_err();
+        let refusal = engine.apply(&Command::SetFluid { fluid: Some(Box::new(fluid)), fields: None }).unwrap_err();
         assert_eq!(refusal.path, path, "{refusal}");
         assert!(!engine.has_fluid());
     };

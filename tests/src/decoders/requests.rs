@@ -184,12 +184,19 @@ fn changes() -> Vec<Request> {
             .map(|output| Request::DefineOutput(v1::DefineOutputRequest { header: None, output: Some(output.into()) })),
     );
     all.extend(fields().map(|field| Request::DefineField(v1::DefineFieldRequest { header: None, field: Some(field) })));
-    all.extend(fluids().map(|fluid| Request::SetFluid(v1::SetFluidRequest { header: None, fluid: Some(fluid) })));
+    all.extend(
+        fluids().map(|fluid| Request::SetFluid(v1::SetFluidRequest { header: None, fluid: Some(fluid), fields: None })),
+    );
     all.extend([
         Request::Remove(v1::RemoveRequest { header: None, ids: vec![1, 4] }),
         Request::SetGravity(v1::SetGravityRequest { header: None, gravity_m_per_s2: down }),
         Request::SetLoads(v1::SetLoadsRequest { header: None, loads: Some(loads().into()) }),
-        Request::SetFluid(v1::SetFluidRequest { header: None, fluid: None }),
+        Request::SetFluid(v1::SetFluidRequest { header: None, fluid: None, fields: None }),
+        Request::SetFluid(v1::SetFluidRequest {
+            header: None,
+            fluid: Some(fluids()[1].clone()),
+            fields: Some(fluid_fields(8)),
+        }),
         Request::DropField(v1::DropFieldRequest { header: None, name: "density".into() }),
         Request::Checkpoint(v1::CheckpointRequest { header: None, token: "a".into(), on_disk: false }),
         Request::Restore(v1::RestoreRequest { header: None, token: "a".into() }),

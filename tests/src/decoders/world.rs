@@ -121,7 +121,7 @@ pub fn engine_under_way() -> anyhow::Result<Engine> {
         sides: Default::default(),
     };
     let fluid = FluidDescription { mesh: Some(mesh), smoothing_length_m: Some(0.04), ..Default::default() };
-    engine.apply(&Command::SetFluid(Some(Box::new(fluid))))?;
+    engine.apply(&Command::SetFluid { fluid: Some(Box::new(fluid)), fields: None })?;
     for _ in 0..200 {
         engine.step()?;
     }

@@ -206,6 +206,7 @@ fn request(verb: Verb, chance: &mut Chance) -> Request {
         Verb::SetFluid => Request::SetFluid(v1::SetFluidRequest {
             header,
             fluid: Some(v1::FluidDefinition { density_kg_per_m3: strange(chance), ..Default::default() }),
+            fields: None,
         }),
         Verb::Pause => Request::Pause(v1::PauseRequest { header }),
         Verb::Resume => Request::Resume(v1::ResumeRequest { header }),

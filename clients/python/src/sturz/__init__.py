@@ -28,6 +28,7 @@ from .errors import (
     Timeout,
 )
 from .field import Field, FieldAverage, FieldDefinition, FieldMean, Grid, GridCylinder
+from .fluid import Exchange, Fluid, FluidFields, PointMesh, StructuredMesh
 from .loads import Loads
 from .output import Output
 from .participant import CouplingError, Participant
@@ -83,11 +84,14 @@ __all__ = [
     "ErrorCode",
     "Event",
     "EventKind",
+    "Exchange",
     "Features",
     "Field",
     "FieldAverage",
     "FieldDefinition",
     "FieldMean",
+    "Fluid",
+    "FluidFields",
     "Grid",
     "GridCylinder",
     "GuardWarning",
@@ -103,6 +107,7 @@ __all__ = [
     "NotConnected",
     "Output",
     "Participant",
+    "PointMesh",
     "ProtocolError",
     "Report",
     "RunState",
@@ -113,6 +118,7 @@ __all__ = [
     "State",
     "Stepped",
     "Stream",
+    "StructuredMesh",
     "SturzError",
     "Timeout",
     "Tls",

@@ -26,6 +26,7 @@ from .contacts import Contacts
 from .daemon import Daemon
 from .errors import CommandError, DaemonGone, ErrorCode, NotConnected, SturzError, Timeout
 from .field import Field, FieldAverage, FieldDefinition, GridCylinder, grid_from
+from .fluid import Exchange, Fluid, FluidFields
 from .loads import Loads
 from .output import FloatType, output_message
 from .progress import ProgressBar, wanted
@@ -103,12 +104,14 @@ class Advanced(Stepped):
         state: at the end of the window; None when no columns were asked for.
         fields: at the end of the window, by name.
         contacts: at the end of the window; None when they were not asked for.
+        exchange: for the fluid, over the window; None when it was not asked for.
     """
 
     window_steps: int
     state: State | None
     fields: dict[str, Field]
     contacts: Contacts | None
+    exchange: Exchange | None = None
 
 
 def launch(
@@ -669,6 +672,24 @@ class Simulation:
         """Replaces the loads from outside, from now on."""
         self._quick("set_loads", pb.SetLoadsRequest(loads=loads.to_message()))
 
+    def set_fluid(self, fluid: Fluid | None, fields: FluidFields | None = None) -> None:
+        """Puts a fluid around the particles, instead of the one before; None takes it away.
+
+        Args:
+            fluid: its density, viscosity and laws, and where its values are.
+            fields: on its mesh, at once; its own velocity everywhere when absent.
+        """
+        request = pb.SetFluidRequest()
+        if fluid is not None:
+            request.fluid.CopyFrom(fluid.to_message())
+        if fields is not None:
+            request.fields.CopyFrom(fields.to_message())
+        self._quick("set_fluid", request)
+
+    def exchange(self) -> Exchange:
+        """What the fluid gets from the particles, now; refused where there is no fluid with a mesh."""
+        return Exchange.from_message(data_pb2.ExchangeFrame.FromString(self._ask("exchange/latest")))
+
     def pause(self) -> float:
         """Stops stepping, and ends a window in flight early. Returns the simulated time, s."""
         return float(self._quick("pause", pb.PauseRequest()).sim_time_s)
@@ -694,6 +715,9 @@ class Simulation:
         contacts: bool = False,
         float_type: FloatType = "f64",
         loads: Loads | None = None,
+        fluid: FluidFields | None = None,
+        fluid_ramp: bool = False,
+        exchange: bool = False,
         progress: bool | None = False,
         label: str = "advance",
     ) -> Advanced:
@@ -708,6 +732,9 @@ class Simulation:
             contacts: return the contact network.
             float_type: of the floating-point columns of state and contacts.
             loads: replace those before from the start of the window on; those before go on when absent.
+            fluid: fields of the fluid (`set_fluid`) from the start of the window on; those before go on when absent.
+            fluid_ramp: the fields before change linearly into `fluid` over the window, instead of at once.
+            exchange: return what the fluid gets from the particles.
             progress: show a bar with simulated time, speed and time left; None: on a terminal only.
             label: of the bar.
 
@@ -722,10 +749,13 @@ class Simulation:
             fields=list(fields),
             float_type=data_pb2.DATA_TYPE_F32 if float_type == "f32" else data_pb2.DATA_TYPE_F64,
             contacts=contacts,
+            exchange=exchange,
         )
         request = pb.AdvanceRequest(from_time_s=start, window_s=window_s, outputs=outputs)
         if loads is not None:
             request.loads.CopyFrom(loads.to_message())
+        if fluid is not None:
+            request.fluid.CopyFrom(fluid.to_message(window_s if fluid_ramp else 0.0))
         with self._paused_by_interrupt(), self._bar(start, window_s, label if wanted(progress) else None):
             message = self.command("advance", request).advanced
             self._reached(message.time_reached_s)
@@ -738,6 +768,7 @@ class Simulation:
             state=State.from_message(message.frame) if message.HasField("frame") else None,
             fields={frame.name: Field.from_message(frame) for frame in message.fields},
             contacts=Contacts.from_message(message.contacts) if message.HasField("contacts") else None,
+            exchange=Exchange.from_message(message.exchange) if message.HasField("exchange") else None,
         )
 
     def run_to(self, time_s: float, *, progress: bool | None = None, label: str = "run") -> Advanced:

@@ -10,6 +10,7 @@ use crate::aio::Simulation;
 use crate::call::{self, Call};
 use crate::command::{TOKEN_RETRY, TOKEN_SEEN, is_going, is_token_unseen, still_there};
 use crate::error::ClientError;
+use crate::fluid::FluidFields;
 use crate::outcome::{Advanced, Applied, Checkpointed, Checkpoints, Inserted, Kind, Removed, Restored, Stepped};
 use crate::queue::Queue;
 use crate::request::{Start, Window};
@@ -89,8 +90,12 @@ impl Simulation {
     }
 
     /// As [`crate::Simulation::set_fluid`].
-    pub async fn set_fluid(&self, fluid: Option<v1::FluidDefinition>) -> Result<Applied, ClientError> {
-        self.call(call::set_fluid(fluid)).await
+    pub async fn set_fluid(
+        &self,
+        fluid: Option<v1::FluidDefinition>,
+        fields: Option<FluidFields>,
+    ) -> Result<Applied, ClientError> {
+        self.call(call::set_fluid(fluid, fields.map(Into::into))).await
     }
 
     /// As [`crate::Simulation::pause`].

@@ -514,12 +514,14 @@ class FluidFields(_message.Message):
     def __init__(self, velocity_m_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., pressure_gradient_pa_per_m: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., acceleration_m_per_s2: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., vorticity_rad_per_s: _Optional[_Union[_data_pb2.Column, _Mapping]] = ..., ramp_s: _Optional[float] = ...) -> None: ...
 
 class SetFluidRequest(_message.Message):
-    __slots__ = ("header", "fluid")
+    __slots__ = ("header", "fluid", "fields")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     FLUID_FIELD_NUMBER: _ClassVar[int]
+    FIELDS_FIELD_NUMBER: _ClassVar[int]
     header: CommandHeader
     fluid: FluidDefinition
-    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., fluid: _Optional[_Union[FluidDefinition, _Mapping]] = ...) -> None: ...
+    fields: FluidFields
+    def __init__(self, header: _Optional[_Union[CommandHeader, _Mapping]] = ..., fluid: _Optional[_Union[FluidDefinition, _Mapping]] = ..., fields: _Optional[_Union[FluidFields, _Mapping]] = ...) -> None: ...
 
 class PauseRequest(_message.Message):
     __slots__ = ("header",)
