@@ -17,7 +17,7 @@ pub struct FluidFields {
     pub acceleration_m_per_s2: Vec<[f64; 3]>,
     /// Curl of the velocity, rad/s: for lift and rotation.
     pub vorticity_rad_per_s: Vec<[f64; 3]>,
-    /// The fields before change linearly into these over this time, s; 0: at once.
+    /// Velocity and vorticity change linearly from those before into these over this time, s; 0: at once.
     pub ramp_s: f64,
 }
 

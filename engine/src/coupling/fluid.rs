@@ -299,10 +299,9 @@ impl State {
         let (from, to) = (&self.from, &self.to);
         FluidFields {
             velocity_m_per_s: mix(&from.velocity_m_per_s, &to.velocity_m_per_s),
-            pressure_gradient_pa_per_m: mix(&from.pressure_gradient_pa_per_m, &to.pressure_gradient_pa_per_m),
-            acceleration_m_per_s2: mix(&from.acceleration_m_per_s2, &to.acceleration_m_per_s2),
             vorticity_rad_per_s: mix(&from.vorticity_rad_per_s, &to.vorticity_rad_per_s),
             ramp_s: 0.0,
+            ..to.clone()
         }
     }
 }
@@ -559,7 +558,15 @@ impl Engine {
         self.check_fluid_fields(fields)?;
         let now_s = self.clock.time_s();
         if let (Some(fields), Some(fluid)) = (fields, &mut self.fluid) {
-            let from = if fields.ramp_s > 0.0 { fluid.state.fields_at(now_s) } else { fields.clone() };
+            // pressure gradient and acceleration are means over the window, and have no start of it
+            let from = match fields.ramp_s > 0.0 {
+                true => FluidFields {
+                    pressure_gradient_pa_per_m: fields.pressure_gradient_pa_per_m.clone(),
+                    acceleration_m_per_s2: fields.acceleration_m_per_s2.clone(),
+                    ..fluid.state.fields_at(now_s)
+                },
+                false => fields.clone(),
+            };
             fluid.state.from = from;
             fluid.state.to = fields.clone();
             fluid.state.start_s = now_s;

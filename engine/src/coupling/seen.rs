@@ -48,12 +48,7 @@ impl Values {
             return *to;
         }
         let mix = |a: &Vec3, b: &Vec3| a + (b - a) * part;
-        Self {
-            velocity: mix(&from.velocity, &to.velocity),
-            pressure_gradient: mix(&from.pressure_gradient, &to.pressure_gradient),
-            acceleration: mix(&from.acceleration, &to.acceleration),
-            vorticity: mix(&from.vorticity, &to.vorticity),
-        }
+        Self { velocity: mix(&from.velocity, &to.velocity), vorticity: mix(&from.vorticity, &to.vorticity), ..*to }
     }
 }
 

@@ -6,14 +6,15 @@ use anyhow::Context;
 use clap::Parser;
 use serde::Serialize;
 use sturz_tests::bench::{
-    LeftOut, Measurement, NormalLaw, Plan, Size, Workload, field_costs, left_out, measure, settled,
+    LeftOut, Measurement, NormalLaw, Plan, Size, Workload, coupling_costs, field_costs, left_out, measure, settled,
 };
 
 /// Times the engine on settled beds (settled first where no cached bed is found, which takes minutes).
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// W1, W2-cubes, W2-pinacoids, W2r, R-octahedra, W3, W3r, W4, all of these, or fields: what a sample costs
+    /// W1, W2-cubes, W2-pinacoids, W2r, R-octahedra, W3, W3r, W4, all of these, fields: what a sample costs, or coupling: what a
+    /// window with a fluid costs
     workload: String,
     /// Physics threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -47,6 +48,9 @@ struct Arguments {
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
     let size = if arguments.small { Size::Small } else { Size::Full };
+    if arguments.workload == "coupling" {
+        return time_coupling(&arguments);
+    }
     if arguments.workload == "fields" {
         return time_fields(&arguments);
     }
@@ -92,6 +96,31 @@ fn time_fields(arguments: &Arguments) -> anyhow::Result<()> {
         println!("{:36} {:>9} {:>7} {:>9.2}", cost.field, cost.particles, cost.cells, cost.ms);
     }
     write(arguments.json.as_deref(), &costs)
+}
+
+fn time_coupling(arguments: &Arguments) -> anyhow::Result<()> {
+    let sides: &[u32] = if arguments.small { &[4] } else { &[22, 47] };
+    let mut all = Vec::new();
+    println!(
+        "{:32} {:>9} {:>7} {:>13} {:>9} {:>17} {:>12}",
+        "case", "particles", "cells", "fields in, ms", "step, ms", "fluid per step, ms", "exchange, ms"
+    );
+    for &side in sides {
+        for cost in coupling_costs(side, arguments.threads.into(), arguments.blocks.into())? {
+            println!(
+                "{:32} {:>9} {:>7} {:>13.2} {:>9.3} {:>17.3} {:>12.2}",
+                cost.case,
+                cost.particles,
+                cost.cells,
+                cost.fields_in_ms,
+                cost.step_ms,
+                cost.fluid_in_step_ms,
+                cost.exchange_ms
+            );
+            all.push(cost);
+        }
+    }
+    write(arguments.json.as_deref(), &all)
 }
 
 fn time_left_out(names: &[&str], size: Size, plan: &Plan, json: Option<&Path>) -> anyhow::Result<()> {

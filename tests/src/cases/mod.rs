@@ -1,6 +1,7 @@
 //! Cases with references, named by the ids of PHYSICS.md. One file per group.
 
 mod boundaries;
+mod coupling;
 mod cylinder;
 mod degenerate;
 mod energy;
@@ -314,6 +315,7 @@ pub fn registry() -> Vec<Case> {
         standing::cases(),
         restart::cases(),
         fields::cases(),
+        coupling::cases(),
         r518::cases(),
     ]
     .into_iter()

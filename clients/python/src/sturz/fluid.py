@@ -40,9 +40,9 @@ class StructuredMesh:
         origin_m: lowest corner, (3,).
         spacing_m: sides of a cell, (3,).
         counts: cells along each axis, (3,).
-        sides: by axis what the mesh ends in, or a pair for its low and its high end: ``closed`` (a wall: what the kernel
-            spreads beyond it counts inside, mirrored), ``open`` (fluid ends there: particles are in it as far as they are
-            inside) or ``periodic``.
+        sides: by axis what the mesh ends in, or a pair for its low and its high end: ``closed`` (a wall: what the
+            kernel spreads beyond it counts inside, mirrored), ``open`` (fluid ends there: particles are in it as far as
+            they are inside) or ``periodic``.
     """
 
     origin_m: tuple[float, float, float]
@@ -160,8 +160,8 @@ class Fluid:
         density_kg_per_m3: of the fluid.
         viscosity_pa_s: dynamic.
         mesh: where the fluid's values are; without one it is the same everywhere, and nobody answers for it.
-        smoothing_length_m: half-width of the kernel that spreads each particle's volume over the mesh, whatever the size
-            of the cells; needed with a mesh. Two to three particle diameters are usual.
+        smoothing_length_m: half-width of the kernel that spreads each particle's volume over the mesh, whatever the
+            size of the cells; needed with a mesh. Two to three particle diameters are usual.
         velocity_m_per_s: everywhere until fields come; without a mesh for good, (3,).
         drag: of one particle: ``haider_levenspiel`` (by sphericity), ``holzer_sommerfeld`` (by orientation),
             ``ganser``, ``schiller_naumann``, ``stokes``, ``none``.
@@ -174,8 +174,8 @@ class Fluid:
         buoyancy: adds -density V gravity: for a fluid whose pressure leaves the hydrostatic part out, or that has none.
         void_fraction: that the laws see without a mesh.
         least_void_fraction: the laws see none below.
-        refresh_steps: steps between two looks at where the particles are in the mesh; 0: at the start of each window, and
-            whenever one may have come further than a tenth of the smoothing length.
+        refresh_steps: steps between two looks at where the particles are in the mesh; 0: at the start of each window,
+            and whenever one may have come further than a tenth of the smoothing length.
     """
 
     density_kg_per_m3: float
@@ -234,7 +234,7 @@ class FluidFields:
     vorticity_rad_per_s: NDArray[np.float64] | None = None
 
     def to_message(self, ramp_s: float = 0.0) -> command_pb2.FluidFields:
-        """For the wire; `ramp_s`: the fields before change linearly into these over this time."""
+        """For the wire; `ramp_s`: velocity and vorticity come linearly out of those before over this time."""
         message = command_pb2.FluidFields(ramp_s=ramp_s)
         for name, unit in (
             ("velocity_m_per_s", "m/s"),
@@ -261,10 +261,10 @@ class Exchange:
         interaction_n_per_m3: force on the fluid by drag, lift and added mass over the volume of the cell, (n, 3).
         pressure_force_n_per_m3: force on the particles by the given pressure gradient, likewise, (n, 3).
         drag_kg_per_m3_s: by how much the interaction opposes a change of the fluid's velocity, (n,).
-        seen_velocity_m_per_s: of the fluid at the end of the window, as the particles saw it, (n, 3); set by who gave it
-            to them. A solver that finds u instead may count on interaction + drag (seen - u).
-        totals: sums over the particles: ``solid_volume_m3``, ``immersed_volume_m3``, ``outside`` (particles wholly outside
-            of the mesh), ``impulse_on_fluid_n_s``, ``pressure_impulse_n_s``, ``buoyancy_impulse_n_s`` (on the
+        seen_velocity_m_per_s: of the fluid at the end of the window, as the particles saw it, (n, 3); set by who gave
+            it to them. A solver that finds u instead may count on interaction + drag (seen - u).
+        totals: sums over the particles: ``solid_volume_m3``, ``immersed_volume_m3``, ``outside`` (particles wholly
+            outside of the mesh), ``impulse_on_fluid_n_s``, ``pressure_impulse_n_s``, ``buoyancy_impulse_n_s`` (on the
             particles), ``momentum_kg_m_per_s``, ``refreshes``.
     """
 

@@ -733,7 +733,8 @@ class Simulation:
             float_type: of the floating-point columns of state and contacts.
             loads: replace those before from the start of the window on; those before go on when absent.
             fluid: fields of the fluid (`set_fluid`) from the start of the window on; those before go on when absent.
-            fluid_ramp: the fields before change linearly into `fluid` over the window, instead of at once.
+            fluid_ramp: velocity and vorticity change linearly from those before into those of `fluid` over the window,
+                instead of at once; pressure gradient and acceleration, being means over the window, always act at once.
             exchange: return what the fluid gets from the particles.
             progress: show a bar with simulated time, speed and time left; None: on a terminal only.
             label: of the bar.

@@ -1,0 +1,154 @@
+"""A fluid around the particles of a real daemon: alone, on a mesh, and marched in step with our own column."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import sturz
+from sturz.coupling import Aitken, ColumnSolver, CoupledRun, Explicit, Fluid, FluidFields, Implicit, StructuredMesh
+
+WATER, VISCOSITY = 1000.0, 1e-3
+
+
+def scene(*, gravity: float = 9.81, density: float = 2500.0, radius_m: float = 2.5e-5, step_s: float = 1e-3) -> str:
+    return f"""
+[scene]
+name = "grain"
+gravity_m_per_s2 = [0.0, 0.0, {-gravity}]
+time_step_s = {step_s}
+[[material]]
+name = "glass"
+density_kg_per_m3 = {density}
+[[material_pair]]
+materials = ["glass", "glass"]
+stiffness_n_per_m = 1e-9
+restitution = 0.5
+[[shape]]
+name = "ball"
+geometry = {{ kind = "sphere", radius_m = {radius_m!r} }}
+[[insertion]]
+shape = "ball"
+material = "glass"
+placement = {{ method = "poses", positions_m = [[0.0, 0.0, 0.0]] }}
+"""
+
+
+def test_a_grain_in_water_reaches_the_speed_of_the_law():
+    """Haider and Levenspiel: 1.96449 mm/s for 50 um glass, at a step of three relaxation times."""
+    with sturz.launch(scene_text=scene()) as simulation:
+        simulation.set_fluid(Fluid(WATER, VISCOSITY, voidage="none", buoyancy=True))
+        done = simulation.advance(window_s=0.1, columns=["velocities"])
+        assert done.state is not None
+        assert done.state.columns["velocities"][0, 2] == pytest.approx(-1.96449e-3, rel=3e-6)
+        simulation.set_fluid(None)
+        after = simulation.advance(window_s=0.1, columns=["velocities"]).state
+        assert after is not None
+        assert after.columns["velocities"][0, 2] == pytest.approx(-1.96449e-3 - 0.981, rel=1e-9)
+
+
+def mesh(cells: int = 4, side_m: float = 1e-2) -> StructuredMesh:
+    return StructuredMesh(
+        (-side_m / 2, -side_m / 2, -side_m),
+        (side_m, side_m, side_m / 2),
+        (1, 1, cells),
+        sides=("periodic", "periodic", "closed"),
+    )
+
+
+def test_the_exchange_has_all_that_the_particles_gave():
+    with sturz.launch(scene_text=scene(radius_m=1e-3, gravity=0.0)) as simulation:
+        with pytest.raises(sturz.CommandError) as missing:
+            simulation.advance(window_s=1e-3, fluid=FluidFields(np.zeros((4, 3))))
+        assert missing.value.path == "fluid"
+        with pytest.raises(sturz.SturzError, match="no fluid with a mesh"):
+            simulation.exchange()
+        grid = mesh()
+        simulation.set_fluid(Fluid(WATER, VISCOSITY, mesh=grid, smoothing_length_m=3e-3))
+        volume = 4 / 3 * math.pi * 1e-9
+        before = simulation.exchange()
+        assert ((1 - before.void_fraction) * grid.volumes_m3).sum() == pytest.approx(volume, rel=1e-12)
+        velocity = np.zeros((4, 3))
+        velocity[:, 2] = 0.1
+        done = simulation.advance(window_s=0.02, fluid=FluidFields(velocity), exchange=True, columns=["velocities"])
+        assert done.exchange is not None and done.state is not None
+        exchange = done.exchange
+        gained = 2500.0 * volume * done.state.columns["velocities"][0, 2]
+        assert exchange.from_time_s == 0.0 and exchange.time_s == done.time_reached_s
+        assert exchange.totals["impulse_on_fluid_n_s"][2] == pytest.approx(-gained, rel=1e-12)
+        impulse = exchange.interaction_n_per_m3[:, 2] @ grid.volumes_m3 * 0.02
+        assert impulse == pytest.approx(-gained, rel=1e-12)
+        assert exchange.drag_kg_per_m3_s.sum() > 0
+        assert simulation.exchange().totals["momentum_kg_m_per_s"][2] == pytest.approx(gained, rel=1e-12)
+
+
+def test_what_does_not_fit_is_named_and_changes_nothing():
+    with sturz.launch(scene_text=scene(radius_m=1e-3)) as simulation:
+        fluid = Fluid(WATER, VISCOSITY, mesh=mesh(), smoothing_length_m=3e-3)
+        simulation.set_fluid(fluid)
+        before = simulation.info()
+        for wrong, path in (
+            (Fluid(0.0, VISCOSITY), "fluid.density_kg_per_m3"),
+            (Fluid(WATER, VISCOSITY, mesh=mesh()), "fluid.smoothing_length_m"),
+            (Fluid(WATER, VISCOSITY, mesh=mesh(cells=10_000_000), smoothing_length_m=3e-3), "fluid.structured"),
+        ):
+            with pytest.raises(sturz.CommandError) as refused:
+                simulation.set_fluid(wrong)
+            assert refused.value.path == path
+        with pytest.raises(sturz.CommandError) as short:
+            simulation.advance(window_s=1e-3, fluid=FluidFields(np.zeros((3, 3))))
+        assert short.value.path == "fluid.velocity_m_per_s"
+        with pytest.raises(ValueError, match="drag is 'honey'"):
+            simulation.set_fluid(Fluid(WATER, VISCOSITY, drag="honey"))  # type: ignore[arg-type]
+        after = simulation.info()
+        assert (after.state_hash, after.step) == (before.state_hash, before.step)
+
+
+def closed_column(scheme: Explicit | Implicit, *, windows: int, window_s: float = 1e-3) -> tuple[float, list[int]]:
+    """Speed of a light ball in a closed cell of water after some windows, and the iterations of each."""
+    side = 1e-2
+    radius = side * (0.4 * 3 / 4 / math.pi) ** (1 / 3)
+    text = scene(density=100.0, radius_m=radius, step_s=1e-4)
+    one = StructuredMesh((-side / 2,) * 3, (side,) * 3, (1, 1, 1), sides=("periodic",) * 3)
+    with sturz.launch(scene_text=text) as simulation:
+        fluid = Fluid(WATER, 1.0, drag="stokes", voidage="none", smoothing_length_m=side, buoyancy=True)
+        solver = ColumnSolver(one, density_kg_per_m3=WATER)
+        iterations = []
+        with CoupledRun(simulation, solver, fluid=fluid, scheme=scheme) as run:
+            for _ in range(windows):
+                report = run.advance(window_s)
+                iterations.append(report.iterations)
+                assert report.momentum_error < 1e-12 and report.solid_volume_error < 1e-12
+        return float(simulation.state(["velocities"]).columns["velocities"][0, 2]), iterations
+
+
+def exact_speed(time_s: float) -> float:
+    """Of that ball: (rho_p + rho e'/e) dv/dt = (rho - rho_p) g - K v / (e^2 V), e' = 1 - e."""
+    volume = 0.4e-6
+    radius = 1e-2 * (0.4 * 3 / 4 / math.pi) ** (1 / 3)
+    inertia = 100.0 + WATER * 0.4 / 0.6
+    rise, rate = (WATER - 100.0) * 9.81 / inertia, 6 * math.pi * radius / (0.36 * volume) / inertia
+    return rise / rate * -math.expm1(-rate * time_s)
+
+
+def test_a_light_particle_in_a_dense_fluid_needs_iterations():
+    """CFD5: the fluid that the ball sets in motion weighs 6.7 times what it does."""
+    runaway, _ = closed_column(Explicit(), windows=12)
+    assert abs(runaway) > 1e4 * exact_speed(12e-3)
+    speed, iterations = closed_column(Implicit(tolerance=1e-8), windows=12)
+    assert speed == pytest.approx(exact_speed(12e-3), rel=3e-4)
+    assert max(iterations) <= 8
+    with pytest.raises(sturz.CouplingError, match="has not converged in 3 iterations"):
+        closed_column(Implicit(Aitken(0.01), tolerance=1e-8, max_iterations=3, extrapolate=False), windows=1)
+
+
+def test_iterated_windows_are_second_order():
+    """CFD1, with our own column: the error falls with the square of the window."""
+    errors = []
+    for windows in (6, 12, 24):
+        speed, _ = closed_column(Implicit(tolerance=1e-11), windows=windows, window_s=24e-3 / windows)
+        errors.append(abs(speed / exact_speed(24e-3) - 1))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 1e-4 and np.all(np.abs(orders - 2) < 0.2), (errors, orders)
