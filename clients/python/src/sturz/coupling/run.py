@@ -304,7 +304,6 @@ class CoupledRun:
                     f"residual {residuals[-1]:.3g}, wanted {scheme.tolerance:.3g}; both sides are at its start. "
                     "Shorten the window, or give another acceleration"
                 )
-            scale = self._scales(found)
             if scale is None:
                 scale = self._scales(found)
             guess = scale * scheme.acceleration.next(guess / scale, (_pack(found, self._columns) - guess) / scale)
