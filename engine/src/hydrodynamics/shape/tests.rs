@@ -143,7 +143,7 @@ fn composites_that_are_one_body() {
             "kind = 'composite'\nparts = [{ shape = { kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }, position_m = [0.0, 0.0, 0.0] }, \
              { shape = { kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }, position_m = [1.0, 0.0, 0.0] }]",
             "kind = 'cylinder'\nradius_m = 0.5\nlength_m = 2.0",
-            1e-13,
+            1e-4,
         ),
         (
             "kind = 'composite'\nparts = [{ shape = { kind = 'cylinder', radius_m = 0.5, length_m = 1.0 }, position_m = [0.0, 0.0, 0.0] }, \
