@@ -313,7 +313,8 @@ fn bodies_of_the_manual() {
         let [along, across] = [x, y].map(|v| [shape.crosswise_sphericity(&v), shape.lengthwise_sphericity(&v)]);
         for (value, expected) in [shape.sphericity(), along[0], along[1], across[0], across[1]].iter().zip(sphericities)
         {
-            assert!((value - expected).abs() <= 6e-5, "{body}: {value}, not {expected}");
+            // half of the last digit, and 1e-4 of the silhouettes by scan lines (exactly 0.88482 for the cross)
+            assert!((value - expected).abs() <= 1.5e-4, "{body}: {value}, not {expected}");
         }
         let terminal = |drag, direction: &Vec3| {
             let scale = d / shape.equivalent_diameter_m();
