@@ -9,8 +9,7 @@
 //! the latter is taken for phi > 1 - 1e-9. Its Stokes limit is the sphere's for any phi.
 
 pub(crate) const SOURCE: &str = "Haider and Levenspiel 1989, Powder Technol. 58, 63";
-pub(crate) const RANGE: &str = "spheres Re < 2.6e5; isometric bodies of sphericity 0.67 to 1 and discs down to 0.03, \
-                                Re < 2.5e4 (6 % rms for phi > 0.67, worse below)";
+pub(crate) const RANGE: &str = "spheres, Re < 2.6e5; isometric bodies of sphericity 0.67 to 1, Re < 2.5e4";
 
 /// Coefficients of one shape.
 #[derive(Clone, Copy, Debug, PartialEq)]

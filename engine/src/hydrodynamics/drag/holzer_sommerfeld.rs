@@ -5,8 +5,7 @@
 //! f = 1/3 phi_l^-1/2 + 2/3 phi^-1/2 + 1/8 Re^1/2 phi^-3/4 + 0.42/24 10^(...) Re / phi_c.
 
 pub(crate) const SOURCE: &str = "Hölzer and Sommerfeld 2008, Powder Technol. 184, 361; eq. 10";
-pub(crate) const RANGE: &str = "bodies of any shape and orientation, Re below the drag crisis (14 % mean deviation from 2061 \
-                                measured values)";
+pub(crate) const RANGE: &str = "bodies of any shape and orientation, Re below the drag crisis";
 
 /// What of the law does not depend on the orientation.
 #[derive(Clone, Copy, Debug, PartialEq)]

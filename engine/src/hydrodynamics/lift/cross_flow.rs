@@ -9,7 +9,7 @@
 use crate::math::Vec3;
 
 pub(crate) const SOURCE: &str = "Hoerner 1965, Fluid-Dynamic Drag, ch. 3; Yin et al. 2003, Chem. Eng. Sci. 58, 2931";
-pub(crate) const RANGE: &str = "elongated bodies; the cross-flow principle holds for Re > 30";
+pub(crate) const RANGE: &str = "elongated bodies where pressure dominates the drag, Re above about 1000; rough below";
 
 /// Lift (N), from the drag |F_D| along the unit vector `along`, and the unit axis.
 pub(crate) fn cross_flow(drag: f64, along: &Vec3, axis: &Vec3, elongation: f64) -> Vec3 {

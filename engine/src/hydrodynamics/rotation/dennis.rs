@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 pub(crate) const SOURCE: &str = "Dennis, Singh and Ingham 1980, J. Fluid Mech. 101, 257";
 pub(crate) const RANGE: &str =
-    "spheres in a fluid at rest, rho W d^2 / mu < 4000; other bodies count as spheres of the same volume";
+    "spheres in a fluid at rest, rho W d^2 / mu < 1000; other bodies count as spheres of the same volume";
 pub(crate) const STOKES_RANGE: &str = "spheres, rho W d^2 / mu < 30; other bodies count as spheres of the same volume";
 
 #[inline]

@@ -9,7 +9,8 @@
 use crate::math::Vec3;
 
 pub(crate) const SOURCE: &str = "Rosendahl 2000, Appl. Math. Model. 24, 11; Yin et al. 2003, Chem. Eng. Sci. 58, 2931";
-pub(crate) const RANGE: &str = "elongated bodies, Re 1 to 1e3; not for flat ones";
+pub(crate) const RANGE: &str =
+    "elongated bodies at Re well above 1 (creeping flow exerts no torque); not for flat ones";
 
 /// Torque (N m) of the force (N) in a flow along the unit vector `along`; the axis is a unit vector, the length in m.
 pub(crate) fn pitching_torque(force: &Vec3, along: &Vec3, axis: &Vec3, length: f64, elongation: f64) -> Vec3 {

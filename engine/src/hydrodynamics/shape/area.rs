@@ -69,34 +69,31 @@ fn exposed(parts: &[Part], i: usize) -> f64 {
     };
     let (mut seen, mut all) = (0.0, 0.0);
     for s in samples.iter().filter(|s| !own(s)) {
-        let others = (0..parts.len()).filter(|&j| j != i);
-        seen += s.area * others.map(|j| visible(s, &parts[j], j < i)).fold(1.0, f64::min);
+        if (0..parts.len()).all(|j| j == i || visible(s, &parts[j], j < i)) {
+            seen += s.area;
+        }
         all += s.area;
     }
     if all > 0.0 { seen / all } else { 1.0 }
 }
 
-/// 1 outside another part, 0 inside, and a ramp as wide as the samples are apart, which makes the sum second order.
-fn visible(sample: &Sample, other: &Part, earlier: bool) -> f64 {
-    let width = sample.area.sqrt();
-    let reach = other.radius + width;
-    if (sample.point - other.center).norm_squared() > reach * reach {
-        return 1.0;
+/// Whether a point of a surface is outside of another part. Points count wholly or not at all: a smooth transition would
+/// be wrong where surfaces touch along a line, as a cylinder and the balls at its ends.
+fn visible(sample: &Sample, other: &Part, earlier: bool) -> bool {
+    if (sample.point - other.center).norm_squared() > other.radius * other.radius {
+        return true;
     }
     let inside = depth(other, &sample.point);
     let step = ONE_SURFACE * other.radius;
     if inside.abs() < step {
-        // glued faces: the depth outwards tells whether they look at each other
-        let slope =
-            depth(other, &(sample.point + sample.normal * step)) - depth(other, &(sample.point - sample.normal * step));
-        if slope > 1.9 * step || (slope < -1.9 * step && earlier) {
-            return 0.0;
-        }
-        if slope < -1.9 * step {
-            return 1.0;
+        // one surface: the depth outwards tells whether the two look at each other
+        let at = |sign: f64| depth(other, &(sample.point + sample.normal * (sign * step)));
+        let slope = at(1.0) - at(-1.0);
+        if slope.abs() > 1.9 * step {
+            return slope < 0.0 && !earlier;
         }
     }
-    (0.5 - inside / width).clamp(0.0, 1.0)
+    inside <= 0.0
 }
 
 /// Distance to the surface, positive inside.
