@@ -156,3 +156,70 @@ def test_iterated_windows_are_second_order():
         errors.append(abs(speed / exact_speed(4e-3) - 1))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - 2) < 0.25), (errors, orders)
+
+
+class Dies(ColumnSolver):
+    """A partner that is lost in the midst of a window."""
+
+    windows_left = 5
+
+    def advance(self, window_s, before, after):  # type: ignore[no-untyped-def]
+        """Until its last one."""
+        self.windows_left -= 1
+        if self.windows_left < 0:
+            raise ConnectionError("the partner is gone")
+        return super().advance(window_s, before, after)
+
+
+@pytest.mark.parametrize("scheme", [Explicit(), Implicit(tolerance=1e-8)])
+def test_a_run_goes_on_from_the_common_checkpoint_when_its_partner_dies(tmp_path, scheme):
+    """CFD6: the same bits as the run that nothing happened to."""
+    fluid = Fluid(WATER, VISCOSITY, smoothing_length_m=3e-3, added_mass_coefficient=0.5, buoyancy=True)
+
+    def partner(kind=ColumnSolver):  # type: ignore[no-untyped-def]
+        return kind(mesh(), density_kg_per_m3=WATER, flux_m_per_s=0.05)
+
+    with sturz.launch(scene_text=scene(radius_m=1e-3, step_s=1e-4), checkpoints=tmp_path / "daemon") as simulation:
+        with CoupledRun(simulation, partner(), fluid=fluid, scheme=scheme) as run:
+            for _ in range(3):
+                run.advance(2e-3)
+            with pytest.raises(sturz.CouplingError, match="nothing was saved"):
+                run.resume(tmp_path / "nowhere")
+            run.save_to(tmp_path / "pair")
+            for _ in range(4):
+                run.advance(2e-3)
+            undisturbed = simulation.info().state_hash
+            run.resume(tmp_path / "pair")
+            assert run.windows == 3 and run.time_s == pytest.approx(6e-3, rel=1e-12)
+            run.solver = partner(Dies)
+            run.resume(tmp_path / "pair")
+            run.solver.windows_left = 2
+            with pytest.raises(ConnectionError):
+                for _ in range(4):
+                    run.advance(2e-3)
+        with CoupledRun(simulation, partner(), fluid=fluid, scheme=scheme) as run:
+            run.resume(tmp_path / "pair")
+            for _ in range(4):
+                run.advance(2e-3)
+            assert simulation.info().state_hash == undisturbed
+            assert run.windows == 7
+
+
+def test_a_journal_resumes_a_coupled_run_to_the_bit(tmp_path):
+    """The fluid, its fields and what the particles gave are in the log and in the snapshots."""
+    fluid = Fluid(WATER, VISCOSITY, mesh=mesh(), smoothing_length_m=3e-3, added_mass_coefficient=0.5)
+    velocity = np.zeros((4, 3))
+    velocity[:, 2] = [0.1, 0.2, 0.0, -0.1]
+    journal = tmp_path / "journal"
+    with sturz.launch(scene_text=scene(radius_m=1e-3, step_s=1e-4), journal=journal) as simulation:
+        simulation.set_fluid(fluid, FluidFields(velocity))
+        for k in range(5):
+            done = simulation.advance(window_s=1e-3, fluid=FluidFields(velocity * k), fluid_ramp=True, exchange=True)
+        wanted, given = simulation.info(), done.exchange
+        assert simulation.daemon is not None and given is not None
+        simulation.daemon.process.kill()
+    with sturz.launch(resume=journal) as simulation:
+        assert simulation.info().state_hash == wanted.state_hash
+        again = simulation.exchange()
+        for name in ("void_fraction", "interaction_n_per_m3", "drag_kg_per_m3_s"):
+            assert np.array_equal(getattr(again, name), getattr(given, name)), name

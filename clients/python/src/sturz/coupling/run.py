@@ -362,11 +362,17 @@ class CoupledRun:
         stem = f"window-{self.windows}-{secrets.token_hex(3)}"
         checkpoint = self._simulation.checkpoint(token=stem, on_disk=True)
         self.solver.to_file(folder / f"{stem}.fluid.npz")
+        # what the next first guess is made of
+        fields, length_s = self._before or (self.fields, 0.0)
+        columns = {name: getattr(fields, name) for name in self._columns}
+        with (folder / f"{stem}.before.npz").open("wb") as before:
+            np.savez(before, length_s=length_s, **columns)
         names = {
             "windows": self.windows,
             "time_s": self.time_s,
             "checkpoint": checkpoint.token,
             "fluid": f"{stem}.fluid.npz",
+            "before": f"{stem}.before.npz",
         }
         written = folder / "latest.json.new"
         with written.open("w") as file:
@@ -391,7 +397,11 @@ class CoupledRun:
         self.solver.from_file(Path(folder) / names["fluid"])
         self._simulation.restore(token=names["checkpoint"])
         self.windows = names["windows"]
-        self.fields, self._before = self.solver.fields(), None
+        self.fields = self.solver.fields()
+        with np.load(Path(folder) / names["before"]) as before:
+            length_s = float(before["length_s"])
+            fields = FluidFields(**{name: before[name] for name in self._columns})
+        self._before = (fields, length_s) if length_s > 0 else None
         self.exchange = self._particles.exchange()
 
     def close(self) -> None:
