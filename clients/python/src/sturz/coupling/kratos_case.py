@@ -47,8 +47,8 @@ class KratosCase:
         body_acceleration_m_per_s2: drives the fluid, (3,); for periodic channels.
         initial_velocity_m_per_s: interstitial, of the whole fluid at time 0.
         steps_per_window: time steps of the solver in each window.
-        nonlinear_tolerance: iterations end when the next is expected to change velocities by less than this, relative to
-            the largest speed.
+        nonlinear_tolerance: iterations end when the next is expected to change velocities by less than this
+            part of the largest speed.
         nonlinear_iterations: at most so many in a time step; more needed is an error.
         least_void_fraction: a smaller void fraction is refused.
         linear_solver: "amgcl" (iterative), or "lu" (direct, needs KratosLinearSolversApplication).

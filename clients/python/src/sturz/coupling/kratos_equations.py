@@ -1,7 +1,7 @@
 """The linear system of one time step, built and solved by Kratos' element for flow through particles.
 
-What the element of Kratos 10.4 solves, and why its density, its constitutive law and its mesh velocity are used here for
-other things than their names say, is in docs/kratos.md.
+What the element of Kratos 10.4 solves, and why its density, its constitutive law and its mesh velocity are used here
+for other things than their names say, is in docs/kratos.md.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import SturzError
 from .kratos_grid import Grid
 
-# First coefficient of Kratos' BDF2 for its constant fictitious step of 1 s: the element's inertia is density * this * u.
+# First coefficient of Kratos' BDF2 for its constant fictitious step of 1 s: the inertia is density * this * u.
 _INERTIA_PER_S = 1.5
 # The element's tau is 1 / (4 mu / h^2 + 2 rho |a| / h) with h the cube root of its volume (measured, docs/kratos.md).
 _TAU_VISCOUS = 4.0
@@ -208,8 +208,8 @@ class Equations:
         self._write("BODY_FORCE", target / weight[:, None])
         # The element convects `its density` times u - mesh velocity: this leaves the fluid's density times u.
         self._convected = density * grid.volumes_m3 / weight
-        # The element reads BODY_FORCE only in this call, which the BDF2 scheme leaves out. The scheme also leaves out the
-        # one that would set the element's subscale velocities: they stay 0, so steps depend on no hidden state.
+        # The element reads BODY_FORCE only in this call, which the BDF2 scheme leaves out. The scheme also leaves out
+        # the one that would set the element's subscale velocities: they stay 0, so there is no hidden state.
         self._refresh.InitializeNonLinIteration(self._part, *self._no_system)
 
     def solve(self, velocity: NDArray[np.float64], pressure: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
@@ -226,5 +226,7 @@ class Equations:
         self.solve_time_s += time.perf_counter() - start
         found = self._read("VELOCITY"), self._read("PRESSURE")
         if not (np.all(np.isfinite(found[0])) and np.all(np.isfinite(found[1]))):
-            raise KratosFailed("the linear solver of Kratos returned numbers that are not finite: try linear_solver='lu'")
+            raise KratosFailed(
+                "Kratos returned numbers that are not finite: try linear_solver='lu' or a shorter window"
+            )
         return found

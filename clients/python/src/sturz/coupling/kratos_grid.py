@@ -1,4 +1,4 @@
-"""Finite-element grids for the Kratos partner: boxes and .mdpa files, and the sums over elements that the coupling needs.
+"""Finite-element grids for the Kratos partner: boxes and .mdpa files, and sums over elements.
 
 Pure numpy: nothing here knows Kratos. Elements are hexahedra of 8 nodes or tetrahedra of 4, linear in each direction.
 """
@@ -168,14 +168,13 @@ class Grid:
         sums = self._slope_sums(values)
         return sums / self.volumes_m3.reshape(-1, *(1,) * (sums.ndim - 1))
 
-    def consistent_gradient(self, values: NDArray[np.float64], start: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Gradient (n, 3) of (n,) values by L2 projection, by conjugate gradients to 1e-12 from `start`.
+    def consistent_gradient(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Gradient (n, 3) of (n,) values by L2 projection, by conjugate gradients to 1e-12.
 
         The integral of N_j g equals that of N_j grad f for every j, so the mass that crosses the boundary is exact.
         """
         wanted = self._slope_sums(values)
-        result = start.copy()
-        residual = wanted - self._times_mass(result)
+        result, residual = np.zeros_like(wanted), wanted
         scale = max(float(np.abs(wanted).max()), np.finfo(float).tiny)
         inverse = 1.0 / self.volumes_m3[:, None]
         search = inverse * residual
@@ -222,8 +221,8 @@ class Grid:
         if len(faces) == 0:
             return 0.0
         k = faces.shape[1]
-        ring = np.minimum(np.abs(np.subtract.outer(range(k), range(k))), k - np.abs(np.subtract.outer(range(k), range(k))))
-        mass = np.array([4, 2, 1])[ring] / 36 if k == 4 else (1 + np.eye(3)) / 12
+        apart = np.abs(np.subtract.outer(np.arange(k), np.arange(k)))
+        mass = np.array([4, 2, 1])[np.minimum(apart, 4 - apart)] / 36 if k == 4 else (1 + np.eye(3)) / 12
         points = self.owner[faces]
         normal = np.einsum("fjd,fd->fj", velocity[points], self.areas_m2(faces))
         return float(np.einsum("fi,ij,fj->", void_fraction[points], mass, normal))
@@ -244,7 +243,7 @@ def _quadrature(k: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArr
 
 
 def box_grid(box: Box, periodic: Sequence[bool] = (False, False, False)) -> Grid:
-    """The grid of a box; nodes run fastest along x. On a periodic axis the last layer of nodes is the first one's image."""
+    """The grid of a box; nodes run fastest along x. On a periodic axis the last layer of nodes images the first."""
     counts = np.array(box.counts)
     axes = [np.arange(m + 1) for m in counts]
     k, j, i = (a.ravel() for a in np.meshgrid(axes[2], axes[1], axes[0], indexing="ij"))

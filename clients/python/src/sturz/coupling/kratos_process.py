@@ -10,7 +10,7 @@ import tempfile
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import IO, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,7 +72,7 @@ class KratosProcess:
 
     def _start(self) -> None:
         here, there = socket.socketpair()
-        self._output = self._log.open("ab+") if self._log else tempfile.TemporaryFile("ab+")
+        self._output: IO[bytes] = tempfile.TemporaryFile() if self._log is None else self._log.open("ab+")  # noqa: SIM115
         # Kratos prints to stdout from C++, so the messages need a channel of their own.
         command = [self._interpreter, str(Path(__file__).with_name("kratos_worker.py")), str(there.fileno())]
         environment = {**os.environ, "OMP_NUM_THREADS": str(self.case.threads)}

@@ -44,7 +44,6 @@ class KratosSolver:
         self._last_step_s = 0.0
         self._pressure = np.zeros(n)
         self._void_fraction = np.ones(n)
-        self._void_gradient = np.zeros((n, 3))
         self._rate = np.zeros((n, 3))
         self._velocity = np.tile(np.asarray(case.initial_velocity_m_per_s, float), (n, 1))
         self._velocity = self._with_boundary_values(self._velocity, self._void_fraction)
@@ -141,7 +140,9 @@ class KratosSolver:
         force = _checked("after.interaction_n_per_m3", after.interaction_n_per_m3, (n, 3))
         drag = _checked("after.drag_kg_per_m3_s", after.drag_kg_per_m3_s, (n,))
         if np.any(drag < 0):
-            raise KratosFailed(f"after.drag_kg_per_m3_s is {drag.min()} at point {int(drag.argmin())}; at least 0 allowed")
+            raise KratosFailed(
+                f"after.drag_kg_per_m3_s is {drag.min()} at point {int(drag.argmin())}; 0 or more is needed"
+            )
         steps = self.case.steps_per_window
         for step in range(1, steps + 1):
             self._step(window_s / steps, start + (end - start) * (step / steps), rate, force, drag)
@@ -159,8 +160,7 @@ class KratosSolver:
         resistance = grid.cell_mean(drag / void)
         pulled = grid.gather(grid.shares_m3 * resistance[:, None])[:, None] * self._seen
         driven = density * (np.asarray(self.case.body_acceleration_m_per_s2) - history) + force / void[:, None]
-        self._void_gradient = grid.consistent_gradient(void, self._void_gradient)
-        self._equations.set_void_fraction(void, void_rate, self._void_gradient)
+        self._equations.set_void_fraction(void, void_rate, grid.consistent_gradient(void))
         self._equations.set_inertia(resistance, density * first, density, grid.volumes_m3[:, None] * driven + pulled)
         guess = self._with_boundary_values(self._velocity + ratio * (self._velocity - self._previous), void)
         velocity, pressure = self._solve(guess, first)
@@ -181,7 +181,7 @@ class KratosSolver:
                 return velocity, pressure
             guess = velocity
         raise KratosFailed(
-            f"velocities still change by about {left:.3g} m/s after {self.case.nonlinear_iterations} iterations at time "
+            f"velocities still change by about {left:.3g} m/s after {self.case.nonlinear_iterations} iterations at "
             f"{self.time_s:.6g} s: raise steps_per_window, or shorten the window"
         )
 
@@ -238,7 +238,6 @@ class KratosSolver:
         self._velocity, self._previous = arrays["velocity"], arrays["previous_velocity"]
         self._rate, self._pressure = arrays["velocity_rate"], arrays["pressure"]
         self._void_fraction = arrays["void_fraction"]
-        self._void_gradient = np.zeros((n, 3))  # where conjugate gradients start must not depend on the past
 
     def write_state(self, path: str | Path) -> None:
         """Into a file, for `read_state` of a solver of the same case after a crash."""
@@ -263,7 +262,8 @@ def _checked(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np
     if array.shape != shape:
         raise KratosFailed(f"{name} has the shape {array.shape}; {shape} is needed")
     if not np.all(np.isfinite(array)):
-        raise KratosFailed(f"{name} has a number that is not finite at point {int(np.argwhere(~np.isfinite(array))[0, 0])}")
+        bad = int(np.argwhere(~np.isfinite(array))[0, 0])
+        raise KratosFailed(f"{name} has a number that is not finite at point {bad}")
     return array
 
 
