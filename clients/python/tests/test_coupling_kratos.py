@@ -147,6 +147,29 @@ def test_fluid_is_dragged_along_by_moving_particles(steps, bound):
 
 
 @pytest.mark.parametrize("cells", ["hexahedra", "tetrahedra"])
+def test_the_fluid_gets_the_momentum_that_was_sent(cells):
+    case = KratosCase(
+        mesh=Box((0, 0, 0), (0.01, 0.01, 0.01), (4, 4, 4), cells),
+        boundaries=dict.fromkeys(("x_low", "x_high", "y_low", "y_high", "z_low", "z_high"), "periodic"),
+        **WATER,
+    )
+    solver = KratosSolver(case)
+    force = np.random.default_rng(3).normal(size=(solver.grid.n, 3))
+    beta = np.random.default_rng(4).uniform(0.0, 1e4, solver.grid.n)
+    start = exchange(solver)
+    fields = solver.advance(1e-3, start, exchange(solver, force=force, drag=beta))
+    volumes = solver.mesh.volumes_m3
+    momentum = 1000.0 * volumes @ fields.velocity_m_per_s
+    # beta pulls towards the velocities that particles saw, which are 0: its part is known where it is felt, in elements.
+    points = solver.grid.cell_points
+    felt = solver.grid.cell_mean(beta) * np.stack(
+        [np.sum(solver.grid.shares_m3 * fields.velocity_m_per_s[points, d], axis=1) for d in range(3)]
+    )
+    impulse = 1e-3 * (volumes @ force - felt.sum(axis=1))
+    np.testing.assert_allclose(momentum, impulse, atol=1e-6 * 1e-3 * (volumes @ np.abs(force)).max())
+
+
+@pytest.mark.parametrize("cells", ["hexahedra", "tetrahedra"])
 def test_what_flows_out_is_what_flows_in_and_what_solids_displace(cells):
     solver = KratosSolver(column(0.01, cells, steps_per_window=2))
     x, y, z = solver.mesh.points_m.T

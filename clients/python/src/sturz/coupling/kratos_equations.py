@@ -205,7 +205,7 @@ class Equations:
             properties.SetValue(kratos.DENSITY, value)
             properties.SetValue(kratos.POWER_LAW_K, viscosity)
         weight = grid.gather(grid.shares_m3 * total[:, None] / _INERTIA_PER_S)
-        self._write("BODY_FORCE", target / weight[:, None])
+        self._write("BODY_FORCE", grid.solve_mass(target, total / _INERTIA_PER_S))
         # The element convects `its density` times u - mesh velocity: this leaves the fluid's density times u.
         self._convected = density * grid.volumes_m3 / weight
         # The element reads BODY_FORCE only in this call, which the BDF2 scheme leaves out. The scheme also leaves out

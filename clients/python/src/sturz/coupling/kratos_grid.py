@@ -173,26 +173,30 @@ class Grid:
 
         The integral of N_j g equals that of N_j grad f for every j, so the mass that crosses the boundary is exact.
         """
-        wanted = self._slope_sums(values)
+        return self.solve_mass(self._slope_sums(values), np.ones(len(self.cells)))
+
+    def mass_times(self, values: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Integrals of w N_i f for f (n, c) and a w that is constant in each element, (M,): (n, c)."""
+        return self.gather(weights[:, None, None] * (self.mass @ values[self.cell_points]))
+
+    def solve_mass(self, wanted: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The f (n, c) with `mass_times(f, weights) == wanted` to 1e-12, by conjugate gradients."""
+        inverse = 1.0 / self.gather(self.shares_m3 * weights[:, None])[:, None]
         result, residual = np.zeros_like(wanted), wanted
         scale = max(float(np.abs(wanted).max()), np.finfo(float).tiny)
-        inverse = 1.0 / self.volumes_m3[:, None]
         search = inverse * residual
         rho = np.sum(residual * search, axis=0)
-        for _ in range(200):
+        for _ in range(500):
             if np.abs(residual).max() <= 1e-12 * scale:
                 return result
-            image = self._times_mass(search)
+            image = self.mass_times(search, weights)
             step = rho / np.maximum(np.sum(search * image, axis=0), np.finfo(float).tiny)
             result = result + step * search
             residual = residual - step * image
             conditioned = inverse * residual
             previous, rho = rho, np.sum(residual * conditioned, axis=0)
             search = conditioned + rho / np.maximum(previous, np.finfo(float).tiny) * search
-        raise GridError("the projection of the void fraction's gradient did not converge in 200 iterations")
-
-    def _times_mass(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.gather(self.mass @ values[self.cell_points])
+        raise GridError("a projection onto the nodes did not converge in 500 iterations")
 
     @cached_property
     def _boundary(self) -> NDArray[np.intp]:

@@ -158,10 +158,11 @@ class KratosSolver:
         first = (1 + 2 * ratio) / (1 + ratio) / step_s
         history = (ratio**2 / (1 + ratio) * self._previous - (1 + ratio) * self._velocity) / step_s
         resistance = grid.cell_mean(drag / void)
-        pulled = grid.gather(grid.shares_m3 * resistance[:, None])[:, None] * self._seen
+        pulled = grid.mass_times(self._seen, resistance)
         driven = density * (np.asarray(self.case.body_acceleration_m_per_s2) - history) + force / void[:, None]
+        target = pulled + grid.mass_times(driven, np.ones(len(grid.cells)))
         self._equations.set_void_fraction(void, void_rate, grid.consistent_gradient(void))
-        self._equations.set_inertia(resistance, density * first, density, grid.volumes_m3[:, None] * driven + pulled)
+        self._equations.set_inertia(resistance, density * first, density, target)
         guess = self._with_boundary_values(self._velocity + ratio * (self._velocity - self._previous), void)
         velocity, pressure = self._solve(guess, first)
         self._rate = first * velocity + history
