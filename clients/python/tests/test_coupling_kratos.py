@@ -160,7 +160,7 @@ def test_the_fluid_gets_the_momentum_that_was_sent(cells):
     fields = solver.advance(1e-3, start, exchange(solver, force=force, drag=beta))
     volumes = solver.mesh.volumes_m3
     momentum = 1000.0 * volumes @ fields.velocity_m_per_s
-    # beta pulls towards the velocities that particles saw, which are 0: its part is known where it is felt, in elements.
+    # beta pulls towards the velocities that particles saw, which are 0; it is felt in elements.
     points = solver.grid.cell_points
     felt = solver.grid.cell_mean(beta) * np.stack(
         [np.sum(solver.grid.shares_m3 * fields.velocity_m_per_s[points, d], axis=1) for d in range(3)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -204,8 +205,12 @@ class KratosSolver:
         return {side: self.grid.flux_m3_per_s(side, self._void_fraction, self._velocity) for side in sides}
 
     def statistics(self) -> dict[str, float]:
-        """Linear solves so far, and the time they took, s."""
-        return {"solves": self._equations.solves, "solve_time_s": self._equations.solve_time_s}
+        """Linear solves so far, the time that they took, s, and the processor time of this process, s."""
+        return {
+            "solves": self._equations.solves,
+            "solve_time_s": self._equations.solve_time_s,
+            "processor_time_s": time.process_time(),
+        }
 
     def save(self) -> KratosState:
         """A token for `restore`, in memory."""

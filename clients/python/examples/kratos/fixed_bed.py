@@ -1,0 +1,104 @@
+"""A bed of water and resting particles in a box, the water solved by Kratos; the skeleton of a fluidised bed.
+
+`python fixed_bed.py` runs the fluid alone against a bed that is only a void fraction and Ergun's drag, and prints the
+pressure drop beside Ergun's. `python fixed_bed.py --scene BED.toml` puts the particles of a Sturz scene there instead.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sturz.coupling.exchange import Exchange
+from sturz.coupling.kratos import Box, Inlet, KratosCase, KratosProcess
+
+DENSITY_KG_PER_M3, VISCOSITY_PA_S, DIAMETER_M = 1000.0, 1e-3, 1e-3
+SIZE_M, BED_M, VOID = (0.02, 0.02, 0.08), 0.04, 0.4
+
+
+def water(speed_m_per_s: float, counts: tuple[int, int, int], steps: int) -> KratosCase:
+    """Water that rises through the box; elements of about three particle diameters."""
+    sides = dict.fromkeys(("x_low", "x_high", "y_low", "y_high"), "slip")
+    return KratosCase(
+        mesh=Box(origin_m=(0.0, 0.0, 0.0), size_m=SIZE_M, counts=counts),
+        boundaries={**sides, "z_low": Inlet((0.0, 0.0, speed_m_per_s)), "z_high": "outlet"},
+        density_kg_per_m3=DENSITY_KG_PER_M3,
+        viscosity_pa_s=VISCOSITY_PA_S,
+        gravity_m_per_s2=(0.0, 0.0, -9.81),  # particles feel buoyancy through the pressure gradient
+        steps_per_window=steps,
+    )
+
+
+def homogeneous_bed(fluid: KratosProcess, velocity: NDArray[np.float64], width_m: float) -> Exchange:
+    """What resting particles would send: a bed with a surface of some width, and Ergun's drag."""
+    solid = (1 - VOID) / (1 + np.exp((fluid.mesh.points_m[:, 2] - BED_M) / width_m))
+    void = 1 - solid
+    speed = np.linalg.norm(velocity, axis=1)
+    viscous = 150 * VISCOSITY_PA_S * solid**2 / (void * DIAMETER_M**2)
+    beta = viscous + 1.75 * DENSITY_KG_PER_M3 * solid / DIAMETER_M * speed
+    still = np.zeros_like(velocity)
+    return Exchange(
+        from_time_s=fluid.time_s,
+        time_s=fluid.time_s,
+        void_fraction=void,
+        solid_velocity_m_per_s=still,
+        interaction_n_per_m3=-beta[:, None] * velocity,
+        pressure_force_n_per_m3=still,
+        drag_kg_per_m3_s=beta,
+        totals={},
+    )
+
+
+def without_particles(fluid: KratosProcess, window_s: float, windows: int, speed_m_per_s: float) -> None:
+    """The bed as a void fraction."""
+    width_m = 1.5 * SIZE_M[2] / fluid.case.mesh.counts[2]
+    velocity = fluid.fields().velocity_m_per_s
+    bed = homogeneous_bed(fluid, velocity, width_m)
+    for window in range(1, windows + 1):
+        velocity = fluid.advance(window_s, bed, bed).velocity_m_per_s
+        bed = homogeneous_bed(fluid, velocity, width_m)
+        if window % 5 == 0 or window == windows:
+            drop = np.ptp(fluid.pressure_pa)
+            print(f"t = {fluid.time_s:.3f} s: pressure drop {drop:.1f} Pa, through {fluid.fluxes_m3_per_s()}")
+    viscous = 150 * VISCOSITY_PA_S * (1 - VOID) ** 2 / (VOID**3 * DIAMETER_M**2) * speed_m_per_s
+    inertial = 1.75 * DENSITY_KG_PER_M3 * (1 - VOID) / (VOID**3 * DIAMETER_M) * speed_m_per_s**2
+    print(f"Ergun, a bed of {BED_M} m with a sharp surface: {(viscous + inertial) * BED_M:.1f} Pa")
+
+
+def with_particles(fluid: KratosProcess, scene: str, window_s: float, windows: int) -> None:
+    """The particles of a scene, marched in step with the fluid."""
+    import sturz
+    from sturz.coupling import CoupledRun, Explicit
+
+    with sturz.launch(scene) as simulation:
+        run = CoupledRun(simulation, fluid, scheme=Explicit())
+        for window in range(windows):
+            run.advance(window_s)
+            if window % 100 == 99:
+                fluid.write_state("fluid.npz")
+                simulation.checkpoint(token=f"window-{window + 1}")
+
+
+def main() -> None:
+    """Reads the command line and runs."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", help="a Sturz scene with particles in the box; without it the bed is homogeneous")
+    parser.add_argument("--interpreter", help="a Python that has Kratos, if it is not this one")
+    parser.add_argument("--speed", type=float, default=5e-3, help="superficial velocity, m/s")
+    parser.add_argument("--counts", type=int, nargs=3, default=(6, 6, 24), help="elements along x, y, z")
+    parser.add_argument("--window", type=float, default=2e-3, help="window, s")
+    parser.add_argument("--windows", type=int, default=20)
+    parser.add_argument("--steps", type=int, default=1, help="time steps of the fluid in a window")
+    options = parser.parse_args()
+    case = water(options.speed, tuple(options.counts), options.steps)
+    with KratosProcess(case, interpreter=options.interpreter, timeout_s=600.0) as fluid:
+        if options.scene is None:
+            without_particles(fluid, options.window, options.windows, options.speed)
+        else:
+            with_particles(fluid, options.scene, options.window, options.windows)
+
+
+if __name__ == "__main__":
+    main()
