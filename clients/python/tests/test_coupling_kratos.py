@@ -317,6 +317,9 @@ def test_errors_of_the_worker_are_errors_here_and_leave_it_alive():
         solver.advance(0.01, clear, clear)
         assert solver.fluxes_m3_per_s()["z_high"] == pytest.approx(0.02e-4, rel=1e-8)
         assert solver.statistics()["solves"] > 0
+        solver.restart(solver.save())  # a new worker, with the inlet as it was set
+        solver.advance(0.01, clear, clear)
+        assert solver.fluxes_m3_per_s()["z_low"] == pytest.approx(-0.02e-4, rel=1e-8)
     with pytest.raises(KratosDied):
         solver.fields()
 

@@ -31,13 +31,21 @@ def water(speed_m_per_s: float, counts: tuple[int, int, int], steps: int) -> Kra
     )
 
 
+def void_fraction(height_m: NDArray[np.float64], width_m: float) -> NDArray[np.float64]:
+    """Of a bed whose surface is so wide; at heights over the floor."""
+    return 1 - (1 - VOID) / (1 + np.exp((height_m - BED_M) / width_m))
+
+
+def ergun(void: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Drag beta, kg/(m3 s), at interstitial speeds (Chem. Eng. Prog. 48, 89, 1952): e grad p = -beta u."""
+    viscous = 150 * VISCOSITY_PA_S * (1 - void) ** 2 / (void * DIAMETER_M**2)
+    return viscous + 1.75 * DENSITY_KG_PER_M3 * (1 - void) / DIAMETER_M * speed
+
+
 def homogeneous_bed(fluid: KratosProcess, velocity: NDArray[np.float64], width_m: float) -> Exchange:
-    """What resting particles would send: a bed with a surface of some width, and Ergun's drag."""
-    solid = (1 - VOID) / (1 + np.exp((fluid.mesh.points_m[:, 2] - BED_M) / width_m))
-    void = 1 - solid
-    speed = np.linalg.norm(velocity, axis=1)
-    viscous = 150 * VISCOSITY_PA_S * solid**2 / (void * DIAMETER_M**2)
-    beta = viscous + 1.75 * DENSITY_KG_PER_M3 * solid / DIAMETER_M * speed
+    """What resting particles would send."""
+    void = void_fraction(fluid.mesh.points_m[:, 2], width_m)
+    beta = ergun(void, np.linalg.norm(velocity, axis=1))
     still = np.zeros_like(velocity)
     return Exchange(
         from_time_s=fluid.time_s,
@@ -52,19 +60,18 @@ def homogeneous_bed(fluid: KratosProcess, velocity: NDArray[np.float64], width_m
 
 
 def without_particles(fluid: KratosProcess, window_s: float, windows: int, speed_m_per_s: float) -> None:
-    """The bed as a void fraction."""
+    """The bed as a void fraction with a surface of one and a half elements."""
     width_m = 1.5 * SIZE_M[2] / fluid.case.mesh.counts[2]
-    velocity = fluid.fields().velocity_m_per_s
-    bed = homogeneous_bed(fluid, velocity, width_m)
+    bed = homogeneous_bed(fluid, fluid.fields().velocity_m_per_s, width_m)
     for window in range(1, windows + 1):
         velocity = fluid.advance(window_s, bed, bed).velocity_m_per_s
         bed = homogeneous_bed(fluid, velocity, width_m)
         if window % 5 == 0 or window == windows:
-            drop = np.ptp(fluid.pressure_pa)
-            print(f"t = {fluid.time_s:.3f} s: pressure drop {drop:.1f} Pa, through {fluid.fluxes_m3_per_s()}")
-    viscous = 150 * VISCOSITY_PA_S * (1 - VOID) ** 2 / (VOID**3 * DIAMETER_M**2) * speed_m_per_s
-    inertial = 1.75 * DENSITY_KG_PER_M3 * (1 - VOID) / (VOID**3 * DIAMETER_M) * speed_m_per_s**2
-    print(f"Ergun, a bed of {BED_M} m with a sharp surface: {(viscous + inertial) * BED_M:.1f} Pa")
+            out = fluid.fluxes_m3_per_s()["z_high"]
+            print(f"t = {fluid.time_s:.3f} s: pressure drop {np.ptp(fluid.pressure_pa):.1f} Pa, {out:.3e} m3/s leave")
+    void = void_fraction(np.linspace(0.0, SIZE_M[2], 10_001), width_m)
+    drop = SIZE_M[2] * np.mean(ergun(void, speed_m_per_s / void) * speed_m_per_s / void**2)
+    print(f"Ergun along the axis of this bed: {drop:.1f} Pa")
 
 
 def with_particles(fluid: KratosProcess, scene: str, window_s: float, windows: int) -> None:

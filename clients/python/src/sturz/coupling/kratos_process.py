@@ -66,6 +66,7 @@ class KratosProcess:
         self._interpreter = str(interpreter or sys.executable)
         self._timeout_s = timeout_s
         self._log = Path(log) if log is not None else None
+        self._inlets: dict[str, list[float]] = {}
         self._process: subprocess.Popen[bytes] | None = None
         self._connection: Connection | None = None
         self._start()
@@ -174,6 +175,8 @@ class KratosProcess:
         token = state if isinstance(state, KratosState) else KratosState.read(state)
         self.close()
         self._start()
+        for side, velocity in self._inlets.items():
+            self.set_inlet(side, velocity)
         self._set_state("resume", token)
 
     def fields(self) -> FluidFields:
@@ -222,9 +225,10 @@ class KratosProcess:
         self._ask({"call": "see"}, {"velocity_m_per_s": np.asarray(velocity_m_per_s, float)})
 
     def set_inlet(self, side: str, superficial_velocity_m_per_s: ArrayLike) -> None:
-        """As `KratosSolver.set_inlet`; a worker that is started again has the case's inlet."""
+        """As `KratosSolver.set_inlet`; it holds for workers that are started again."""
         velocity = np.asarray(superficial_velocity_m_per_s, float).tolist()
         self._ask({"call": "set_inlet", "side": side, "superficial_velocity_m_per_s": velocity})
+        self._inlets[side] = velocity
 
     @property
     def pressure_pa(self) -> NDArray[np.float64]:

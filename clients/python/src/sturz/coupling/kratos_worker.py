@@ -95,4 +95,6 @@ def _exchange(header: dict[str, Any], arrays: dict[str, Any], name: str) -> Exch
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2 or not sys.argv[1].isdigit():
+        sys.exit("kratos_worker FD: the file descriptor of an inherited socket; a KratosProcess starts this")
     serve(Connection(int(sys.argv[1])))
