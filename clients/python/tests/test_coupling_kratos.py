@@ -97,7 +97,7 @@ def test_poiseuille_flow_between_plates():
     z = solver.mesh.points_m[:, 2]
     exact = drive * z * (height - z) / (2 * 1e-4)
     error = np.abs(fields.velocity_m_per_s[:, 0] - exact).max() / exact.max()
-    assert error < 1e-3
+    assert error < 1e-6  # of the linear solver, which leaves 1e-10 of the right-hand side
     assert np.abs(fields.velocity_m_per_s[:, 1:]).max() < 1e-6 * exact.max()
     inside = (z > 0) & (z < height)
     shear = drive * (height - 2 * z) / (2 * 1e-4)  # dux/dz, which is the vorticity about y

@@ -104,7 +104,7 @@ class KratosCase:
     def from_json(text: str) -> KratosCase:
         """The case that `to_json` wrote."""
         values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(text).items()}
-        mesh = {k: tuple(v) if isinstance(v, list) else v for k, v in values.pop("mesh").items()}
+        mesh: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.pop("mesh").items()}
         kind = {"Box": Box, "MdpaFile": MdpaFile}[mesh.pop("kind")]
         boundaries = {
             side: Inlet(tuple(value)) if isinstance(value, list) else value
@@ -135,7 +135,8 @@ class KratosState:
         """Into a file (.npz), at once or not at all."""
         part = Path(f"{path}.part")
         with part.open("wb") as file:
-            np.savez(file, times=np.array([self.time_s, self.last_step_s]), **self.arrays)
+            columns: dict[str, Any] = {"times": np.array([self.time_s, self.last_step_s]), **self.arrays}
+            np.savez(file, **columns)
             file.flush()
             os.fsync(file.fileno())
         part.replace(path)

@@ -212,7 +212,9 @@ class Equations:
         # the one that would set the element's subscale velocities: they stay 0, so there is no hidden state.
         self._refresh.InitializeNonLinIteration(self._part, *self._no_system)
 
-    def solve(self, velocity: NDArray[np.float64], pressure: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
+    def solve(
+        self, velocity: NDArray[np.float64], pressure: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """One linearised solution about a guess: velocities (n, 3) and pressures (n,)."""
         start = time.perf_counter()
         self._write("VELOCITY", velocity)

@@ -121,14 +121,14 @@ class Grid:
     def mass(self) -> NDArray[np.float64]:
         """Element integrals of N_i N_j, (M or 1, k, k), m3."""
         shapes, weight, _ = self._gauss
-        return np.einsum("eq,qi,qj->eij", weight, shapes, shapes)
+        return np.asarray(np.einsum("eq,qi,qj->eij", weight, shapes, shapes), float)
 
     @cached_property
     def _slope(self) -> NDArray[np.float64]:
         """Element integrals of N_i dN_j/dx_d, (M or 1, k * 3, k)."""
         shapes, weight, gradient = self._gauss
         k = self.cells.shape[1]
-        return np.einsum("eq,qi,eqjd->eidj", weight, shapes, gradient).reshape(-1, k * 3, k)
+        return np.asarray(np.einsum("eq,qi,eqjd->eidj", weight, shapes, gradient), float).reshape(-1, k * 3, k)
 
     @cached_property
     def shares_m3(self) -> NDArray[np.float64]:
@@ -138,7 +138,7 @@ class Grid:
     @cached_property
     def cell_volumes_m3(self) -> NDArray[np.float64]:
         """(M,), m3."""
-        return self.shares_m3.sum(axis=-1)
+        return np.asarray(self.shares_m3.sum(axis=-1), float)
 
     @cached_property
     def volumes_m3(self) -> NDArray[np.float64]:
@@ -149,12 +149,12 @@ class Grid:
         """Sums (M, k) or (M, k, c) over the elements of each point: (n,) or (n, c)."""
         index = self.cell_points.ravel()
         if values.ndim == 2:
-            return np.bincount(index, weights=values.ravel(), minlength=self.n)
+            return np.asarray(np.bincount(index, weights=values.ravel(), minlength=self.n), float)
         return np.stack([self.gather(values[..., c]) for c in range(values.shape[-1])], axis=-1)
 
     def cell_mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Mean of a point field (n,) over each element, (M,)."""
-        return np.sum(self.shares_m3 * values[self.cell_points], axis=-1) / self.cell_volumes_m3
+        return np.asarray(np.sum(self.shares_m3 * values[self.cell_points], axis=-1) / self.cell_volumes_m3, float)
 
     def _slope_sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Integrals of N_i grad f: of (n,) values (n, 3); of (n, c) values (n, 3, c)."""
@@ -204,7 +204,7 @@ class Grid:
         local = _FACES[self.cells.shape[1]]
         faces = self.cells[:, local].reshape(-1, local.shape[1])
         _, index, times = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-        return faces[index[times == 1]]
+        return np.asarray(faces[index[times == 1]], np.intp)
 
     def faces(self, group: str) -> NDArray[np.intp]:
         """Boundary faces all of whose nodes are in a group, (F, 4) or (F, 3)."""

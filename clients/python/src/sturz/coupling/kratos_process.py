@@ -237,8 +237,8 @@ class KratosProcess:
 
     def fluxes_m3_per_s(self) -> dict[str, float]:
         """As `KratosSolver.fluxes_m3_per_s`."""
-        return self._ask({"call": "fluxes_m3_per_s"})[0]["result"]
+        return dict(self._ask({"call": "fluxes_m3_per_s"})[0]["result"])
 
     def statistics(self) -> dict[str, float]:
         """As `KratosSolver.statistics`."""
-        return self._ask({"call": "statistics"})[0]["result"]
+        return dict(self._ask({"call": "statistics"})[0]["result"])

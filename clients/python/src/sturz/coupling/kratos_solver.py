@@ -68,7 +68,9 @@ class KratosSolver:
             fixed[0, 3] = True  # the pressure is known but for a constant
         return fixed
 
-    def _with_boundary_values(self, velocity: NDArray, void_fraction: NDArray) -> NDArray[np.float64]:
+    def _with_boundary_values(
+        self, velocity: NDArray[np.float64], void_fraction: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """Velocities with the held ones at their values for a void fraction."""
         result = np.where(self._fixed[:, :3], 0.0, velocity)
         walls = [self.grid.groups[side] for side, kind in self.case.boundaries.items() if kind == "no_slip"]
@@ -152,7 +154,14 @@ class KratosSolver:
         self._seen = result.velocity_m_per_s.copy()
         return result
 
-    def _step(self, step_s: float, void: NDArray, void_rate: NDArray, force: NDArray, drag: NDArray) -> None:
+    def _step(
+        self,
+        step_s: float,
+        void: NDArray[np.float64],
+        void_rate: NDArray[np.float64],
+        force: NDArray[np.float64],
+        drag: NDArray[np.float64],
+    ) -> None:
         """One implicit step: BDF2 of a variable step, backward Euler at the start."""
         grid, density = self.grid, self.case.density_kg_per_m3
         ratio = step_s / self._last_step_s if self._last_step_s > 0 else 0.0
@@ -170,7 +179,7 @@ class KratosSolver:
         self._previous, self._velocity, self._pressure = self._velocity, velocity, pressure
         self._void_fraction, self._last_step_s = void, step_s
 
-    def _solve(self, guess: NDArray, first: float) -> tuple[NDArray, NDArray]:
+    def _solve(self, guess: NDArray[np.float64], first: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Iterations about the newest velocity that convects, from a guess."""
         pressure = self._pressure
         left = 0.0

@@ -20,7 +20,8 @@ def encode(header: dict[str, Any], arrays: dict[str, NDArray[np.float64]] | None
     """A message as bytes."""
     buffer = io.BytesIO()
     text = np.frombuffer(json.dumps(header).encode(), np.uint8)
-    np.savez(buffer, **{_HEADER: text}, **(arrays or {}))
+    columns: dict[str, Any] = {_HEADER: text, **(arrays or {})}
+    np.savez(buffer, **columns)
     return buffer.getvalue()
 
 
