@@ -11,7 +11,7 @@ import argparse
 import numpy as np
 from numpy.typing import NDArray
 
-from sturz.coupling.exchange import Exchange
+from sturz.coupling import Exchange
 from sturz.coupling.kratos import Box, Inlet, KratosCase, KratosProcess
 
 DENSITY_KG_PER_M3, VISCOSITY_PA_S, DIAMETER_M = 1000.0, 1e-3, 1e-3
@@ -55,7 +55,7 @@ def homogeneous_bed(fluid: KratosProcess, velocity: NDArray[np.float64], width_m
         interaction_n_per_m3=-beta[:, None] * velocity,
         pressure_force_n_per_m3=still,
         drag_kg_per_m3_s=beta,
-        totals={},
+        seen_velocity_m_per_s=velocity,
     )
 
 
@@ -84,7 +84,7 @@ def with_particles(fluid: KratosProcess, scene: str, window_s: float, windows: i
         for window in range(windows):
             run.advance(window_s)
             if window % 100 == 99:
-                fluid.write_state("fluid.npz")
+                fluid.to_file("fluid.npz")
                 simulation.checkpoint(token=f"window-{window + 1}")
 
 

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 from numpy.typing import NDArray
 
-from sturz.coupling.exchange import Exchange
+from sturz.coupling import Exchange
 from sturz.coupling.kratos import Box, Inlet, KratosCase, KratosProcess, KratosSolver
 
 DENSITY, VISCOSITY, DIAMETER, VOID = 1000.0, 1e-3, 1e-3, 0.4
@@ -29,7 +29,7 @@ def resting(velocity: NDArray[np.float64], void: NDArray[np.float64]) -> Exchang
     viscous = 150 * VISCOSITY * (1 - void) ** 2 / (void * DIAMETER**2)
     beta = viscous + 1.75 * DENSITY * (1 - void) / DIAMETER * speed
     still = np.zeros_like(velocity)
-    return Exchange(0.0, 0.0, void, still, -beta[:, None] * velocity, still, beta, {})
+    return Exchange(0.0, 0.0, void, still, -beta[:, None] * velocity, still, beta, seen_velocity_m_per_s=velocity)
 
 
 def packed(cells: str) -> None:

@@ -113,7 +113,7 @@ class KratosCase:
         return KratosCase(mesh=kind(**mesh), boundaries=boundaries, **values)
 
 
-_ARRAYS = ("velocity", "previous_velocity", "velocity_rate", "seen_velocity", "pressure", "void_fraction")
+_ARRAYS = ("velocity", "previous_velocity", "velocity_rate", "pressure", "void_fraction")
 
 
 @dataclass(frozen=True)
@@ -124,16 +124,16 @@ class KratosState:
         time_s: simulated time.
         last_step_s: time step before; 0 at the start.
         arrays: velocity and previous_velocity (n, 3), m/s, of the last two steps; velocity_rate (n, 3), m/s2;
-            seen_velocity (n, 3), m/s, the field that particles saw last; pressure (n,), Pa; void_fraction (n,).
+            pressure (n,), Pa; void_fraction (n,).
     """
 
     time_s: float
     last_step_s: float
     arrays: dict[str, NDArray[np.float64]] = field(repr=False)
 
-    def write(self, path: str | Path) -> None:
+    def write(self, path: str | os.PathLike[str]) -> None:
         """Into a file (.npz), at once or not at all."""
-        part = Path(f"{path}.part")
+        part = Path(f"{os.fspath(path)}.part")
         with part.open("wb") as file:
             columns: dict[str, Any] = {"times": np.array([self.time_s, self.last_step_s]), **self.arrays}
             np.savez(file, **columns)
@@ -142,7 +142,7 @@ class KratosState:
         part.replace(path)
 
     @staticmethod
-    def read(path: str | Path) -> KratosState:
+    def read(path: str | os.PathLike[str]) -> KratosState:
         """From a file of `write`.
 
         Raises:

@@ -16,21 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SturzError
-from .exchange import Exchange, FluidFields
+from ..fluid import Exchange, FluidFields, PointMesh
 from .kratos_case import KratosCase, KratosState
 from .kratos_equations import KratosFailed, KratosMissing
 from .kratos_grid import GridError
 from .kratos_wire import decode, encode
-from .mesh import PointMesh
 
 _ERRORS = {"KratosFailed": KratosFailed, "KratosMissing": KratosMissing, "GridError": GridError}
-_SENT = (
-    "void_fraction",
-    "solid_velocity_m_per_s",
-    "interaction_n_per_m3",
-    "pressure_force_n_per_m3",
-    "drag_kg_per_m3_s",
-)
 _END_OF_LOG = 2000
 
 
@@ -167,7 +159,7 @@ class KratosProcess:
         self.close()
 
     def restart(self, state: KratosState | str | Path) -> None:
-        """A new worker that goes on from a token of `save` or a file of `write_state`.
+        """A new worker that goes on from a token of `save` or a file of `to_file`.
 
         Raises:
             KratosFailed: the state is not one of this case.
@@ -177,7 +169,7 @@ class KratosProcess:
         self._start()
         for side, velocity in self._inlets.items():
             self.set_inlet(side, velocity)
-        self._set_state("resume", token)
+        self.restore(token)
 
     def fields(self) -> FluidFields:
         """The fluid now, at the points of `mesh`."""
@@ -190,14 +182,18 @@ class KratosProcess:
             KratosFailed: unusable input, or a step that does not converge.
             KratosDied: the worker is gone.
         """
-        header: dict[str, Any] = {"call": "advance", "window_s": window_s}
-        arrays = {}
-        for name, exchange in (("before", before), ("after", after)):
-            header[name] = {"from_time_s": exchange.from_time_s, "time_s": exchange.time_s}
-            arrays.update({f"{name}.{key}": np.asarray(getattr(exchange, key), float) for key in _SENT})
-        answer, values = self._ask(header, arrays)
+        sent = {
+            "void_before": before.void_fraction,
+            "void_after": after.void_fraction,
+            "interaction_n_per_m3": after.interaction_n_per_m3,
+            "drag_kg_per_m3_s": after.drag_kg_per_m3_s,
+        }
+        if after.seen_velocity_m_per_s is not None:
+            sent["seen_velocity_m_per_s"] = after.seen_velocity_m_per_s
+        arrays = {name: np.asarray(values, float) for name, values in sent.items()}
+        answer, found = self._ask({"call": "advance", "window_s": window_s}, arrays)
         self.time_s = answer["time_s"]
-        return FluidFields(**values)
+        return FluidFields(**found)
 
     def save(self) -> KratosState:
         """A token for `restore`; it is held in this process, and outlives the worker."""
@@ -206,23 +202,16 @@ class KratosProcess:
 
     def restore(self, token: KratosState) -> None:
         """Back to a token."""
-        self._set_state("restore", token)
-
-    def _set_state(self, call: str, token: KratosState) -> None:
-        header = {"call": call, "time_s": token.time_s, "last_step_s": token.last_step_s}
+        header = {"call": "restore", "time_s": token.time_s, "last_step_s": token.last_step_s}
         self.time_s = self._ask(header, token.arrays)[0]["time_s"]
 
-    def write_state(self, path: str | Path) -> None:
-        """Into a file, for `restart` and `read_state`."""
+    def to_file(self, path: str | os.PathLike[str]) -> None:
+        """All that decides its future, for `restart` and `from_file`."""
         self.save().write(path)
 
-    def read_state(self, path: str | Path) -> None:
-        """Goes on from a file of `write_state`."""
-        self._set_state("resume", KratosState.read(path))
-
-    def see(self, velocity_m_per_s: ArrayLike) -> None:
-        """As `KratosSolver.see`."""
-        self._ask({"call": "see"}, {"velocity_m_per_s": np.asarray(velocity_m_per_s, float)})
+    def from_file(self, path: str | os.PathLike[str]) -> None:
+        """Goes on from a file of `to_file`."""
+        self.restore(KratosState.read(path))
 
     def set_inlet(self, side: str, superficial_velocity_m_per_s: ArrayLike) -> None:
         """As `KratosSolver.set_inlet`; it holds for workers that are started again."""

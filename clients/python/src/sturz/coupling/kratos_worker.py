@@ -21,23 +21,15 @@ if not __package__:
         _module.__path__ = [str(_folder)]
         sys.modules[_name] = _module
 
-from sturz.coupling.exchange import Exchange, FluidFields
 from sturz.coupling.kratos_case import KratosCase, KratosState
-from sturz.coupling.kratos_solver import KratosSolver
+from sturz.coupling.kratos_core import KratosCore
 from sturz.coupling.kratos_wire import decode, encode
 from sturz.errors import SturzError
-
-FIELDS = (
-    "velocity_m_per_s",
-    "pressure_gradient_pa_per_m",
-    "acceleration_m_per_s2",
-    "vorticity_rad_per_s",
-)
 
 
 def serve(connection: Connection) -> None:
     """Answers requests until the other side closes."""
-    solver: KratosSolver | None = None
+    solver: KratosCore | None = None
     while True:
         try:
             header, arrays = decode(connection.recv_bytes())
@@ -45,8 +37,8 @@ def serve(connection: Connection) -> None:
             return
         try:
             if header["call"] == "start":
-                solver = KratosSolver(KratosCase.from_json(header["case"]))
-                answer = encode({}, {"points_m": solver.mesh.points_m, "volumes_m3": solver.mesh.volumes_m3})
+                solver = KratosCore(KratosCase.from_json(header["case"]))
+                answer = encode({}, {"points_m": solver.points_m, "volumes_m3": solver.grid.volumes_m3})
             elif solver is None:
                 raise RuntimeError(f"{header['call']!r} before 'start'")
             else:
@@ -58,22 +50,19 @@ def serve(connection: Connection) -> None:
         connection.send_bytes(answer)
 
 
-def _answer(solver: KratosSolver, header: dict[str, Any], arrays: dict[str, Any]) -> bytes:
+def _answer(solver: KratosCore, header: dict[str, Any], arrays: dict[str, Any]) -> bytes:
     """Does one request."""
     call = header["call"]
     if call == "advance":
-        before, after = (_exchange(header, arrays, name) for name in ("before", "after"))
-        return _fields(solver, solver.advance(header["window_s"], before, after))
+        solver.march(header["window_s"], **{"seen_velocity_m_per_s": None, **arrays})
+        return encode({"time_s": solver.time_s}, solver.arrays())
     if call == "fields":
-        return _fields(solver, solver.fields())
+        return encode({"time_s": solver.time_s}, solver.arrays())
     if call == "save":
         state = solver.save()
         return encode({"time_s": state.time_s, "last_step_s": state.last_step_s}, state.arrays)
-    if call in ("restore", "resume"):
-        state = KratosState(header["time_s"], header["last_step_s"], arrays)
-        getattr(solver, call)(state)
-    elif call == "see":
-        solver.see(arrays["velocity_m_per_s"])
+    if call == "restore":
+        solver.restore(KratosState(header["time_s"], header["last_step_s"], arrays))
     elif call == "set_inlet":
         solver.set_inlet(header["side"], header["superficial_velocity_m_per_s"])
     elif call == "pressure":
@@ -83,15 +72,6 @@ def _answer(solver: KratosSolver, header: dict[str, Any], arrays: dict[str, Any]
     else:
         raise RuntimeError(f"no such request: {call!r}")
     return encode({"time_s": solver.time_s})
-
-
-def _fields(solver: KratosSolver, fields: FluidFields) -> bytes:
-    return encode({"time_s": solver.time_s}, {name: getattr(fields, name) for name in FIELDS})
-
-
-def _exchange(header: dict[str, Any], arrays: dict[str, Any], name: str) -> Exchange:
-    parts = {key.removeprefix(f"{name}."): value for key, value in arrays.items() if key.startswith(f"{name}.")}
-    return Exchange(**header[name], **parts, totals={})
 
 
 if __name__ == "__main__":
