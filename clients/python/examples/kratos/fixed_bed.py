@@ -90,7 +90,11 @@ def with_particles(fluid: KratosProcess, scene: str, window_s: float, windows: i
         smoothing_length_m=1.5 * SIZE_M[2] / fluid.case.mesh.counts[2],
         voidage="gidaspow",
     )
-    with sturz.launch(scene) as simulation, CoupledRun(simulation, fluid, fluid=water, scheme=Explicit()) as run:
+    folder = "fixed_bed_state"
+    with (
+        sturz.launch(scene, checkpoints=folder) as simulation,
+        CoupledRun(simulation, fluid, fluid=water, scheme=Explicit()) as run,
+    ):
         for window in range(1, windows + 1):
             run.advance(window_s)
             if window % 10 == 0 or window == windows:
@@ -98,7 +102,7 @@ def with_particles(fluid: KratosProcess, scene: str, window_s: float, windows: i
                 print(
                     f"t = {fluid.time_s:.3f} s: pressure drop {floor_pressure(fluid):.1f} Pa, least e {void.min():.3f}"
                 )
-        run.save_to("fixed_bed_state")
+        run.save_to(folder)
 
 
 def main() -> None:

@@ -210,8 +210,12 @@ class KratosProcess:
         self.save().write(path)
 
     def from_file(self, path: str | os.PathLike[str]) -> None:
-        """Goes on from a file of `to_file`."""
-        self.restore(KratosState.read(path))
+        """Goes on from a file of `to_file`, in another worker if this one has died."""
+        token = KratosState.read(path)
+        if self._connection is None:
+            self.restart(token)
+        else:
+            self.restore(token)
 
     def set_inlet(self, side: str, superficial_velocity_m_per_s: ArrayLike) -> None:
         """As `KratosSolver.set_inlet`; it holds for workers that are started again."""
