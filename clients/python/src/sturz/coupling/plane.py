@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -21,7 +22,32 @@ Start = Callable[[Array, Array], tuple[ArrayLike, ArrayLike]]
 # Explicit midpoint rule: largest Courant number of the limited scheme, and of the viscous term (its bound is 0.5).
 COURANT = 0.5
 DIFFUSION = 0.4
-MOST_SUBSTEPS = 100_000
+MOST_STEPS = 100_000
+
+
+@dataclass(frozen=True)
+class _Source:
+    """What particles do to one component, on the sides: push + drag (start + part seen - u), part of the window."""
+
+    push: Array
+    drag: Array
+    start: Array
+    seen: Array
+
+
+@dataclass(frozen=True)
+class _Window:
+    """What is given in a window; void fractions in the cells, their change in 1/s."""
+
+    void_0: Array
+    void_1: Array
+    change: Array
+    sources: tuple[_Source, _Source]
+
+    def void(self, part: float) -> Array:
+        """After this part of the window."""
+        now: Array = self.void_0 + (self.void_1 - self.void_0) * part
+        return now
 
 
 class PlaneSolver:
@@ -33,9 +59,9 @@ class PlaneSolver:
         d(rho e u)/dt + div(rho e u u) = -e grad p + div(e tau) + e rho g + interaction + drag (u_seen - u)
 
     Marker-and-cell grid (Harlow and Welch, Phys. Fluids 8 (1965) 2182): velocities on the sides of the cells, pressure
-    in their middle. Explicit midpoint rule for convection and viscosity; drag and pressure at the new time, and together:
-    the projection knows the drag, so that a dense bed is as stable as none, and div(e u) = -de/dt holds to rounding.
-    A window is divided into as many equal steps as stability asks for.
+    in their middle. Explicit midpoint rule for convection and viscosity; drag and pressure at the new time, and
+    together: the projection knows the drag, so that a dense bed is as stable as none, and div(e u) = -de/dt holds to
+    rounding. A window is divided into as many equal steps as stability asks for.
 
     Where the mesh's side is ``open`` fluid leaves freely, at pressure 0; where it is ``closed`` is a wall; where an
     inflow is given it enters, whatever the mesh says there: a plate that holds particles is ``closed`` with an inflow.
@@ -102,6 +128,7 @@ class PlaneSolver:
         self.pressure_pa: Array = np.zeros(shape)
         self.divergence_error_per_s = self.momentum_error = 0.0
         self.momentum_n: dict[str, Array] = {}
+        self._size_n: Array = np.zeros(2)
         self.steps = 0
         self._gradient: Array = np.broadcast_to(self._body[1] + self._density * self._body[0], (*shape, 2)).copy()
         self._acceleration: Array = np.zeros((*shape, 2))
@@ -215,32 +242,31 @@ class PlaneSolver:
         if not window_s > 0:
             raise ValueError(f"window_s is {window_s}; it must be above 0")
         void_0, void_1 = self._void(before), self._void(after)
-        sources = self._sources(after)
-        change = (void_1 - void_0) / window_s
+        window = _Window(void_0, void_1, (void_1 - void_0) / window_s, self._sources(after))
         self.steps, self.divergence_error_per_s = 0, 0.0
         self._gradient, self._acceleration = np.zeros_like(self._gradient), np.zeros_like(self._acceleration)
-        balance, sizes = dict[str, Array](), np.zeros(2)
-        done, start_s = 0.0, self.time_s
-        halvings = 1
+        self.momentum_n = {name: np.zeros(2) for name in ("change", "pressure", "gravity", "interaction", "ends")}
+        self._size_n = np.zeros(2)
+        done, start_s, shorter = 0.0, self.time_s, 1
         while done < 1.0:
             left = (1.0 - done) * window_s
-            count = halvings * max(1, math.ceil(left / self._limit_s(self._u, self._w) - 1e-9))
-            if count + self.steps > MOST_SUBSTEPS:
+            count = shorter * max(1, math.ceil(left / self._limit_s(self._u, self._w) - 1e-9))
+            if count + self.steps > MOST_STEPS:
                 raise ValueError(f"{count} steps would be needed for the rest of the window: the flow has run away")
             step_s, end = left / count, 1.0 if count == 1 else done + left / count / window_s
-            voids = [void_0 + (void_1 - void_0) * part for part in (done, 0.5 * (done + end), end)]
-            self.time_s = start_s + done * window_s
-            half = self._half(step_s, voids, change, sources, 0.5 * (done + end))
+            half = self._half(step_s, window, (done, end))
             # the flow may have set off: then this step was too long
-            if step_s > 2.0 * self._limit_s(half[0], half[1]):
-                halvings *= 2
+            if step_s > 2.0 * self._limit_s(*half):
+                shorter *= 2
                 continue
-            halvings = 1
-            self._whole(step_s, voids, change, sources, (end, step_s / window_s), half, balance, sizes)
-            done = end
+            self._whole(step_s, window, (done, end), half)
+            done, shorter = end, 1
             self.steps += 1
+            self.time_s = start_s + done * window_s
         self.time_s = start_s + window_s
-        self._close_balance(balance, sizes)
+        rest = sum((part for name, part in self.momentum_n.items() if name != "change"), -self.momentum_n["change"])
+        largest = float(self._size_n.max())
+        self.momentum_error = float(np.abs(rest).max()) / largest if largest > 0 else 0.0
         return self.fields()
 
     def _limit_s(self, u: Array, w: Array) -> float:
@@ -251,8 +277,8 @@ class PlaneSolver:
         spread = 4.0 / 3.0 * self._viscosity / self._density * (1.0 / dx**2 + 1.0 / dz**2) / DIFFUSION
         return 1.0 / max(rate, spread, 1e-300)
 
-    def _sources(self, after: Exchange) -> list[tuple[Array, Array, Array, Array]]:
-        """For x and z, on the sides: interaction, drag, velocity at the start, and its change that was seen."""
+    def _sources(self, after: Exchange) -> tuple[_Source, _Source]:
+        """For x and z."""
         shape = (self._z.count, self._x.count)
         drag = np.asarray(after.drag_kg_per_m3_s, float).reshape(shape)
         now = staggered.to_cells(self._u), staggered.to_cells(self._w.T).T
@@ -265,8 +291,8 @@ class PlaneSolver:
             # through the change only: a mean to the cells and back would smooth the velocity itself
             on_sides = [staggered.to_sides(a.T if k else a, axis.periodic) for a in (push, drag, seen)]
             start = velocity.T if k else velocity
-            found.append((on_sides[0], on_sides[1], start.copy(), on_sides[2]))
-        return found
+            found.append(_Source(on_sides[0], on_sides[1], start.copy(), on_sides[2]))
+        return found[0], found[1]
 
     def _transports(self, u: Array, w: Array, void: Array) -> tuple[staggered.Transport, staggered.Transport]:
         x, z = self._x, self._z
@@ -276,30 +302,29 @@ class PlaneSolver:
         along_x = staggered.transport((u, w), (qx, qz), void, (x, z), *constants)
         return along_x, staggered.transport((w.T, u.T), (qz.T, qx.T), void.T, (z, x), *constants)
 
-    def _half(
-        self, step_s: float, voids: list[Array], change: Array, sources: list[tuple[Array, ...]], part: float
-    ) -> tuple[Array, Array]:
+    def _half(self, step_s: float, window: _Window, place: tuple[float, float]) -> tuple[Array, Array]:
         """Velocities in the middle of a step."""
         x, z = self._x, self._z
-        moved = self._transports(self._u, self._w, voids[0])
-        # the flux of the window before carries here, which the void fraction of this one does not fit: in advective form
-        qx = staggered.to_sides(voids[0], x.periodic) * self._u
-        qz = (staggered.to_sides(voids[0].T, z.periodic) * self._w.T).T
+        void, part = window.void(place[0]), 0.5 * (place[0] + place[1])
+        moved = self._transports(self._u, self._w, void)
+        # the flux of the window before carries here, and the void fraction of this one does not fit: advective form
+        qx = staggered.to_sides(void, x.periodic) * self._u
+        qz = (staggered.to_sides(void.T, z.periodic) * self._w.T).T
         excess = self._density * staggered.divergence(qx, qz, x, z)
-        forces = [
+        forces = (
             moved[0].convection + moved[0].viscosity + staggered.to_sides(excess, x.periodic) * self._u,
             moved[1].convection + moved[1].viscosity + staggered.to_sides(excess.T, z.periodic) * self._w.T,
-        ]
-        found = self._solve(0.5 * step_s, (voids[1], voids[1]), change, forces, sources, part)
-        return found[0], found[1]
+        )
+        middle = window.void(part)
+        u, w, _ = self._solve(0.5 * step_s, (middle, middle), window, forces, part)
+        return u, w
 
     def _solve(
         self,
         step_s: float,
         voids: tuple[Array, Array],
-        change: Array,
-        forces: list[Array],
-        sources: list[tuple[Array, ...]],
+        window: _Window,
+        forces: tuple[Array, Array],
         part: float,
     ) -> tuple[Array, Array, Array]:
         """Velocities and pressure after a step from those of now, in the given forces.
@@ -312,11 +337,12 @@ class PlaneSolver:
         guessed, sides, slopes = [], [], []
         for k, (axis, velocity, force) in enumerate(zip(axes, starts, forces, strict=True)):
             e0, e1 = (staggered.to_sides(void.T if k else void, axis.periodic) for void in voids)
-            push, drag, start, seen = sources[k]
+            source = window.sources[k]
             middle = 0.5 * (e0 + e1)
             pull = middle * (self._density * gravity[k] - mean[k])
-            inertia = self._density * e1 + step_s * drag
-            impulse = step_s * (force + pull + push + drag * (start + part * seen))
+            inertia = self._density * e1 + step_s * source.drag
+            given = source.push + source.drag * (source.start + part * source.seen)
+            impulse = step_s * (force + pull + given)
             guessed.append((self._density * e0 * velocity + impulse) / inertia)
             sides.append(e1)
             slopes.append(step_s * middle / inertia)
@@ -324,7 +350,7 @@ class PlaneSolver:
         ex, ez = sides[0], sides[1].T
         self._give_ends(u, w, ex, ez, self.time_s + step_s)
         c = ex * slopes[0], ez * slopes[1].T
-        pressure = self._project(u, w, (ex, ez), c, change)
+        pressure = self._project(u, w, (ex, ez), c, window.change)
         u -= np.where(self._x.free, slopes[0] * staggered.gradient(pressure, self._x), 0.0)
         w -= np.where(self._z.free, slopes[1] * staggered.gradient(pressure.T, self._z), 0.0).T
         return u, w, pressure
@@ -353,31 +379,22 @@ class PlaneSolver:
         pressure: Array = factors.solve(right.ravel()).reshape(right.shape)
         return pressure - pressure.mean() if enclosed else pressure
 
-    def _whole(
-        self,
-        step_s: float,
-        voids: list[Array],
-        change: Array,
-        sources: list[tuple[Array, ...]],
-        place: tuple[float, float],
-        half: tuple[Array, Array],
-        balance: dict[str, Array],
-        sizes: Array,
-    ) -> None:
-        """A step with the forces of its middle; adds its part of the window to gradient, acceleration and balance."""
-        end, share = place
-        moved = self._transports(*half, voids[1])
-        forces = [part.convection + part.viscosity for part in moved]
-        u, w, pressure = self._solve(step_s, (voids[0], voids[2]), change, forces, sources, end)
+    def _whole(self, step_s: float, window: _Window, place: tuple[float, float], half: tuple[Array, Array]) -> None:
+        """A step with the forces of its middle; adds its share of the window to gradient, acceleration and balance."""
+        share = place[1] - place[0]
+        voids = window.void(place[0]), window.void(place[1])
+        moved = self._transports(*half, window.void(0.5 * (place[0] + place[1])))
+        forces = moved[0].convection + moved[0].viscosity, moved[1].convection + moved[1].viscosity
+        u, w, pressure = self._solve(step_s, voids, window, forces, place[1])
         x, z = self._x, self._z
         starts, ends, slope = (self._u, self._w.T), (u, w.T), (pressure, pressure.T)
         for k, axis in enumerate((x, z)):
-            e0, e1 = (staggered.to_sides(void.T if k else void, axis.periodic) for void in (voids[0], voids[2]))
-            push, drag, start, seen = sources[k]
+            e0, e1 = (staggered.to_sides(void.T if k else void, axis.periodic) for void in voids)
+            source = window.sources[k]
             middle = 0.5 * (e0 + e1)
             rate = self._density * (e1 * ends[k] - e0 * starts[k]) / step_s
             weight = middle * self._density * self._body[0][k]
-            interaction = push + drag * (start + end * seen - ends[k])
+            interaction = source.push + source.drag * (source.start + place[1] * source.seen - ends[k])
             # where the velocity is given, the pressure is what it takes
             needed = (forces[k] + weight + interaction - rate) / middle
             gradient = np.where(axis.free, staggered.gradient(slope[k], axis) + self._body[1][k], needed)
@@ -385,24 +402,18 @@ class PlaneSolver:
             for total, sides in ((self._gradient, gradient), (self._acceleration, acceleration)):
                 cells = staggered.to_cells(sides)
                 total[..., k] += share * (cells.T if k else cells)
-            volumes = axis.widths_m * (z, x)[k].step_m * self.mesh.spacing_m[1]
-            through = moved[k].through_ends * self.mesh.spacing_m[1]
+            depth = self.mesh.spacing_m[1]
+            volumes = axis.widths_m * (z, x)[k].step_m * depth
             parts = {"change": rate, "pressure": -middle * gradient, "gravity": weight, "interaction": interaction}
             for name, value in parts.items():
-                balance.setdefault(name, np.zeros(2))[k] += share * float((value * volumes).sum())
-                sizes[k] += share * float((np.abs(value) * volumes).sum())
-            balance.setdefault("ends", np.zeros(2))[k] += share * through
-            sizes[k] += share * moved[k].through_ends_size * self.mesh.spacing_m[1]
+                self.momentum_n[name][k] += share * float((value * volumes).sum())
+                self._size_n[k] += share * float((np.abs(value) * volumes).sum())
+            self.momentum_n["ends"][k] += share * moved[k].through_ends * depth
+            self._size_n[k] += share * moved[k].through_ends_size * depth
         self._u, self._w, self.pressure_pa = u, w, pressure
-        ex, ez = staggered.to_sides(voids[2], x.periodic), staggered.to_sides(voids[2].T, z.periodic).T
-        wrong = change + staggered.divergence(ex * u, ez * w, x, z)
+        ex, ez = staggered.to_sides(voids[1], x.periodic), staggered.to_sides(voids[1].T, z.periodic).T
+        wrong = window.change + staggered.divergence(ex * u, ez * w, x, z)
         self.divergence_error_per_s = max(self.divergence_error_per_s, float(np.abs(wrong).max()))
-
-    def _close_balance(self, balance: dict[str, Array], sizes: Array) -> None:
-        rest = sum((part for name, part in balance.items() if name != "change"), -balance["change"])
-        self.momentum_n = balance
-        largest = float(sizes.max())
-        self.momentum_error = float(np.abs(rest).max()) / largest if largest > 0 else 0.0
 
     # What it goes back to.
 
