@@ -27,12 +27,11 @@ MOST_STEPS = 100_000
 
 @dataclass(frozen=True)
 class _Source:
-    """What particles do to one component, on the sides: push + drag (start + part seen - u), part of the window."""
+    """What particles do to one component, on the sides: push + part ramp - drag u, after this part of the window."""
 
     push: Array
+    ramp: Array
     drag: Array
-    start: Array
-    seen: Array
 
 
 @dataclass(frozen=True)
@@ -283,15 +282,14 @@ class PlaneSolver:
         drag = np.asarray(after.drag_kg_per_m3_s, float).reshape(shape)
         now = staggered.to_cells(self._u), staggered.to_cells(self._w.T).T
         found = []
-        for k, component, axis, velocity in ((0, 0, self._x, self._u), (1, 2, self._z, self._w)):
+        for k, component, axis in ((0, 0, self._x), (1, 2, self._z)):
             push = np.asarray(after.interaction_n_per_m3, float)[:, component].reshape(shape)
-            seen = np.zeros(shape)
+            ramp = np.zeros(shape)
             if after.seen_velocity_m_per_s is not None:
-                seen = after.seen_velocity_m_per_s[:, component].reshape(shape) - now[k]
-            # through the change only: a mean to the cells and back would smooth the velocity itself
-            on_sides = [staggered.to_sides(a.T if k else a, axis.periodic) for a in (push, drag, seen)]
-            start = velocity.T if k else velocity
-            found.append(_Source(on_sides[0], on_sides[1], start.copy(), on_sides[2]))
+                ramp = drag * (after.seen_velocity_m_per_s[:, component].reshape(shape) - now[k])
+            # with the drag: what the mean over two sides smooths in the interaction cancels, and the sums agree
+            parts = (push + drag * now[k], ramp, drag)
+            found.append(_Source(*(staggered.to_sides(part.T if k else part, axis.periodic) for part in parts)))
         return found[0], found[1]
 
     def _transports(self, u: Array, w: Array, void: Array) -> tuple[staggered.Transport, staggered.Transport]:
@@ -341,8 +339,7 @@ class PlaneSolver:
             middle = 0.5 * (e0 + e1)
             pull = middle * (self._density * gravity[k] - mean[k])
             inertia = self._density * e1 + step_s * source.drag
-            given = source.push + source.drag * (source.start + part * source.seen)
-            impulse = step_s * (force + pull + given)
+            impulse = step_s * (force + pull + source.push + part * source.ramp)
             guessed.append((self._density * e0 * velocity + impulse) / inertia)
             sides.append(e1)
             slopes.append(step_s * middle / inertia)
@@ -394,7 +391,7 @@ class PlaneSolver:
             middle = 0.5 * (e0 + e1)
             rate = self._density * (e1 * ends[k] - e0 * starts[k]) / step_s
             weight = middle * self._density * self._body[0][k]
-            interaction = source.push + source.drag * (source.start + place[1] * source.seen - ends[k])
+            interaction = source.push + place[1] * source.ramp - source.drag * ends[k]
             # where the velocity is given, the pressure is what it takes
             needed = (forces[k] + weight + interaction - rate) / middle
             gradient = np.where(axis.free, staggered.gradient(slope[k], axis) + self._body[1][k], needed)
