@@ -1,5 +1,6 @@
 """The plane against closed forms, and its balances."""
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,42 +24,42 @@ def plane(nx: int, nz: int, size: tuple[float, float], x: Any, z: Any) -> Struct
 
 def run_empty(solver: PlaneSolver, window_s: float, windows: int) -> None:
     for _ in range(windows):
-        empty = exchange(solver.mesh, solver.time_s, solver.time_s + window_s)  # type: ignore[arg-type]
+        empty = exchange(solver.mesh, solver.time_s, solver.time_s + window_s)
         solver.advance(window_s, empty, empty)
 
 
 def test_poiseuille_between_plates() -> None:
     # -dp/dz = 8 Pa/m over plates 1 m apart, viscosity 1: w = 4 x (1 - x) + h^2, the last for the walls' half cells
-    n, gradient = 8, 8.0
-    mesh = plane(n, 3, (1.0, 0.5), "closed", "periodic")
+    n, gradient = 6, 8.0
+    mesh = plane(n, 3, (1.0, 3.0), "closed", "periodic")
     solver = PlaneSolver(
         mesh, density_kg_per_m3=1.0, viscosity_pa_s=1.0, mean_gradient_pa_per_m=(0.0, -gradient), convection="central"
     )
     # the slowest mode decays with pi^2 per second
-    run_empty(solver, 0.5, 6)
+    run_empty(solver, 0.5, 4)
     x = mesh.centres()[:, 0]
     fields = solver.fields()
-    assert fields.velocity_m_per_s[:, 2] == pytest.approx(4.0 * x * (1.0 - x) + gradient / n**2 / 8.0, rel=1e-10)
+    assert fields.velocity_m_per_s[:, 2] == pytest.approx(4.0 * x * (1.0 - x) + gradient / n**2 / 8.0, rel=1e-7)
     assert fields.velocity_m_per_s[:, 0] == pytest.approx(0.0, abs=1e-12)
     assert fields.vorticity_rad_per_s is not None
     # (curl u)_y = du/dz - dw/dx
-    assert fields.vorticity_rad_per_s[:, 1] == pytest.approx(-4.0 * (1.0 - 2.0 * x), abs=1e-10)
+    assert fields.vorticity_rad_per_s[:, 1] == pytest.approx(-4.0 * (1.0 - 2.0 * x), abs=1e-7)
     assert solver.momentum_error < 1e-13
-    # walls take what the gradient gives: 8 Pa/m over 1 x 0.01 x 0.5 m3
-    assert solver.momentum_n["ends"][1] == pytest.approx(-gradient * 0.005, rel=1e-10)
+    # walls take what the gradient gives: 8 Pa/m over 1 x 0.01 x 3 m3
+    assert solver.momentum_n["ends"][1] == pytest.approx(-gradient * 0.03, rel=1e-6)
 
 
 def test_a_uniform_inflow_becomes_poiseuille() -> None:
-    # a channel 20 widths long at Re 1; mean velocity 1, so 6 x (1 - x) at the end
-    n = 8
-    mesh = plane(n, 40, (1.0, 5.0), "closed", ("closed", "open"))
+    # a channel 5 widths long at Re 1; mean velocity 1, so nearly 6 x (1 - x) in its middle
+    n = 6
+    mesh = plane(n, 20, (1.0, 5.0), "closed", ("closed", "open"))
     solver = PlaneSolver(mesh, density_kg_per_m3=1.0, viscosity_pa_s=1.0, inflow_m_per_s={"z_low": 1.0})
     run_empty(solver, 0.5, 3)
     x = (np.arange(n) + 0.5) / n
     velocity = mesh.reshape(solver.fields().velocity_m_per_s)[:, 0, :, 2]
     # the discrete profile: 4 x (1 - x) + h^2, scaled to mean 1
     profile = 4.0 * x * (1.0 - x) + 1.0 / n**2
-    assert velocity[30] == pytest.approx(profile / profile.mean(), rel=1e-6)
+    assert velocity[10] == pytest.approx(profile / profile.mean(), rel=1e-5)
     assert velocity.mean(axis=1) == pytest.approx(1.0, rel=1e-12)
     assert solver.divergence_error_per_s < 1e-10
     assert solver.momentum_error < 1e-12
@@ -90,15 +91,15 @@ def vortices(cells: int, step_s: float, time_s: float = 0.2, convection: Any = "
 def test_decaying_vortices_are_second_order_in_space_and_time() -> None:
     errors = [vortices(cells, 0.08 / cells)[1] for cells in (16, 32)]
     assert 1.85 < np.log2(errors[0] / errors[1]) < 2.15
-    # in time on one grid: against a step an eighth of the shortest
-    finest = vortices(16, 1.25e-3 / 4)[0]
+    # in time on one grid: against a quarter of the shortest step
+    finest = vortices(16, 6.25e-4)[0]
     lags = [float(np.abs(vortices(16, step)[0] - finest).max()) for step in (1e-2, 5e-3, 2.5e-3)]
-    assert all(1.8 < np.log2(a / b) < 2.3 for a, b in zip(lags, lags[1:], strict=False))
+    assert all(1.8 < np.log2(a / b) < 2.3 for a, b in itertools.pairwise(lags))
 
 
 def test_the_limiter_is_better_than_upwind() -> None:
-    upwind, limited = (vortices(32, 2.5e-3, convection=name)[1] for name in ("upwind", "limited"))
-    assert limited < 0.3 * upwind
+    upwind, limited = (vortices(24, 4e-3, convection=name)[1] for name in ("upwind", "limited"))
+    assert limited < 0.4 * upwind
 
 
 @pytest.mark.parametrize(("superficial", "pascal_per_metre"), ERGUN)
@@ -130,13 +131,6 @@ def test_ergun_through_a_bed_that_fills_the_plane(superficial: float, pascal_per
     assert solver.momentum_error < 1e-12
 
 
-def block(mesh: StructuredMesh, low: float, high: float, wide: float = 1.0) -> Array:
-    """Void fraction of a bed between two heights, over the part of the plane below `wide` in x."""
-    centres = mesh.centres()
-    inside = (centres[:, 2] > low) & (centres[:, 2] < high) & (centres[:, 0] < wide)
-    return np.where(inside, VOID, 1.0)
-
-
 def march(solver: PlaneSolver, void: Array, drag: Array, window_s: float, windows: int) -> None:
     """Explicit windows with particles that stand still."""
     mesh: Any = solver.mesh
@@ -147,30 +141,55 @@ def march(solver: PlaneSolver, void: Array, drag: Array, window_s: float, window
         fields = solver.advance(window_s, bed, bed)
 
 
-def test_a_porous_block_in_a_channel_has_the_pressure_drop_of_ergun() -> None:
-    superficial, pascal_per_metre = ERGUN[1]
-    mesh = plane(4, 32, (0.01, 0.08), "closed", ("closed", "open"))
-    solver = PlaneSolver(
-        mesh, density_kg_per_m3=DENSITY, viscosity_pa_s=VISCOSITY, walls="slip", inflow_m_per_s={"z_low": superficial}
-    )
-    void = block(mesh, 0.02, 0.06)
-    march(solver, void, np.where(void < 1.0, ergun_beta(superficial), 0.0), 0.01, 20)
-    pressure = solver.pressure_pa[:, 0]
-    drop = pressure[2] - pressure[-3]
-    # in and out again: what the fluid's inertia takes at the entry comes back but for less than rho u^2
-    inertia = DENSITY * (superficial / VOID) ** 2
-    assert drop == pytest.approx(pascal_per_metre * 0.04, abs=inertia)
-    assert inertia < 1e-3 * pascal_per_metre * 0.04
-    inner = mesh.reshape(solver.fields().pressure_gradient_pa_per_m)[10:22, 0, :, 2]
-    assert inner == pytest.approx(-pascal_per_metre, rel=1e-6)
-    assert solver.divergence_error_per_s < 1e-10
+def bed_in_a_channel(z: Array, blur_m: float) -> Array:
+    """Void fraction of a bed from 20 to 60 mm, whose ends spread over `blur_m`."""
+    rise, fall = (np.clip((z - end) / blur_m + 0.5, 0.0, 1.0) for end in (0.02, 0.06))
+    inside: Array = 0.5 * (np.cos(np.pi * fall) - np.cos(np.pi * rise))
+    return 1.0 - (1.0 - VOID) * inside
+
+
+@pytest.mark.parametrize(("blur_m", "order"), [(1e-9, 1.0), (0.02, 2.0)])
+def test_a_porous_block_in_a_channel_has_the_pressure_drop_of_ergun(blur_m: float, order: float) -> None:
+    superficial = ERGUN[1][0]
+
+    def beta(void: Array) -> Array:
+        return np.array([ergun_beta(superficial, e) if e < 1.0 else 0.0 for e in void])
+
+    fine: Array = (np.arange(20000, dtype=np.float64) + 0.5) * (0.08 / 20000)
+    void: Array = bed_in_a_channel(fine, blur_m)
+    # -dp/dz = beta U / e^2; the fluid's inertia gives back at the end what it took at the beginning
+    exact = float(np.sum(beta(void) * superficial / void**2) * (0.08 / 20000))
+    assert blur_m > 1e-3 or exact == pytest.approx(ERGUN[1][1] * 0.04, rel=1e-3)
+    errors = []
+    for cells in (32, 64):
+        mesh = plane(2, cells, (0.01, 0.08), "closed", ("closed", "open"))
+        solver = PlaneSolver(
+            mesh,
+            density_kg_per_m3=DENSITY,
+            viscosity_pa_s=VISCOSITY,
+            walls="slip",
+            inflow_m_per_s={"z_low": superficial},
+        )
+        void = bed_in_a_channel(mesh.centres()[:, 2], blur_m)
+        march(solver, void, beta(void), 0.01, 2)
+        assert solver.divergence_error_per_s < 1e-10
+        assert solver.momentum_error < 1e-12
+        errors.append(abs(float(solver.pressure_pa[1, 0] - solver.pressure_pa[-2, 0]) - exact) / exact)
+    # a jump is as wide as a cell for the grid; a kernel's end is resolved
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
+    assert errors[1] < (0.025 if order == 1.0 else 0.005)
+    gradient = solver.fields().pressure_gradient_pa_per_m
+    assert gradient is not None
+    inner = mesh.reshape(gradient)[30:34, 0, :, 2]
+    assert inner == pytest.approx(-ERGUN[1][1], rel=1e-6)
 
 
 def test_fluid_goes_around_a_block_and_the_projection_bears_any_drag() -> None:
     # drag that stops the fluid within 1e-7 of a window
     mesh = plane(12, 24, (0.012, 0.024), "closed", ("closed", "open"))
     solver = PlaneSolver(mesh, density_kg_per_m3=DENSITY, viscosity_pa_s=VISCOSITY, inflow_m_per_s={"z_low": 5e-3})
-    void = block(mesh, 0.008, 0.016, wide=0.006)
+    x, z = mesh.centres()[:, 0], mesh.centres()[:, 2]
+    void = np.where((z > 0.008) & (z < 0.016) & (x < 0.006), VOID, 1.0)
     march(solver, void, np.where(void < 1.0, 1e12, 0.0), 1e-2, 10)
     velocity = mesh.reshape(solver.fields().velocity_m_per_s)[:, 0]
     assert np.abs(velocity[9:15, :5]).max() < 1e-6
@@ -187,7 +206,8 @@ def changing(mesh: StructuredMesh, time_s: float) -> Array:
     size = np.array(mesh.counts) * mesh.spacing_m
     x, z = (mesh.centres()[:, k] / size[k] for k in (0, 2))
     wave: Array = np.cos(np.pi * x) * np.cos(2.0 * np.pi * z) * np.cos(40.0 * time_s)
-    return 0.6 + 0.25 * wave + 0.05 * np.cos(3.0 * np.pi * x) * np.sin(25.0 * time_s)
+    void: Array = 0.6 + 0.25 * wave + 0.05 * np.cos(3.0 * np.pi * x) * np.sin(25.0 * time_s)
+    return void
 
 
 @pytest.mark.parametrize(
@@ -212,13 +232,10 @@ def test_continuity_and_momentum_hold_while_the_void_fraction_changes(x: Any, z:
             exchange(mesh, k * window, t, void=changing(mesh, t), seen=fields.velocity_m_per_s, **sources)
             for t in (k * window, (k + 1) * window)
         )
-        momentum = dict(solver.momentum_n)
         fields = solver.advance(window, before, after)
         assert solver.divergence_error_per_s < 1e-10
         assert solver.momentum_error < 1e-12
         # all of the particles' push arrives, but for the drag's part in what changed since
-        if k == 0:
-            assert not momentum
         quiet = float(sources["push"][:, 2].sum()) * volume
         drag = float(sources["drag"].max()) * float(np.abs(fields.velocity_m_per_s).max())
         assert abs(solver.momentum_n["interaction"][1] - quiet) < 2.0 * drag * volume * mesh.n
@@ -233,6 +250,25 @@ def test_all_of_the_push_arrives() -> None:
     assert solver.momentum_n["interaction"] == pytest.approx(
         push[:, [0, 2]].sum(axis=0) * mesh.cell_volume_m3, rel=1e-12
     )
+
+
+def test_what_particles_give_is_what_the_fluid_gets_once_they_saw_it() -> None:
+    # uneven drag that the mean over sides and cells would smooth: the sums agree when seen is what comes out
+    mesh = plane(6, 9, (0.03, 0.045), "closed", ("closed", "open"))
+    solver = PlaneSolver(mesh, density_kg_per_m3=DENSITY, viscosity_pa_s=VISCOSITY, inflow_m_per_s={"z_low": 0.01})
+    random = np.random.default_rng(8)
+    bed = {"void": random.uniform(0.4, 1.0, mesh.n), "drag": random.uniform(0.0, 1e6, mesh.n)}
+    seen = solver.start(exchange(mesh, 0.0, 0.0, void=bed["void"])).velocity_m_per_s
+    token = solver.save()
+    for _ in range(8):
+        solver.restore(token)
+        after = fixed_bed(mesh, 0.0, 2e-3, seen=seen, **bed)
+        found = solver.advance(2e-3, after, after).velocity_m_per_s
+        change, seen = float(np.abs(found - seen).max()), found
+    assert change < 1e-12
+    assert solver.steps == 1
+    given = after.interaction_n_per_m3[:, [0, 2]].sum(axis=0) * mesh.cell_volume_m3
+    assert solver.momentum_n["interaction"] == pytest.approx(given, rel=1e-9)
 
 
 def test_one_cell_across_is_the_column() -> None:
