@@ -75,10 +75,12 @@ class ColumnSolver:
         self._velocity: NDArray[np.float64] = np.full(n, self._flux(self.time_s))
         self._gradient: NDArray[np.float64] = np.full(n, self._density * self._gravity)
         self._acceleration: NDArray[np.float64] = np.zeros(n)
+        self._met = False
 
     def start(self, exchange: Exchange) -> FluidFields:
-        """The flow around the particles that are there, before the first window."""
+        """The flow around the particles that are there, before the first window, which else begins with it."""
         self._velocity = self._flow(exchange)
+        self._met = True
         return self.fields()
 
     def fields(self) -> FluidFields:
@@ -108,6 +110,9 @@ class ColumnSolver:
 
     def advance(self, window_s: float, before: Exchange, after: Exchange) -> FluidFields:
         """Goes on by a window with what the particles did in it."""
+        if not self._met:
+            # until now it knew of no particles: they must not cost an acceleration
+            self.start(before)
         void_0, void = before.void_fraction, after.void_fraction
         velocity_0, velocity = self._velocity, self._flow(after)
         middle = self._flux(self.time_s + 0.5 * window_s)
@@ -180,6 +185,7 @@ class ColumnSolver:
             "acceleration": self._acceleration.copy(),
             "pressure": self.pressure_pa.copy(),
             "through": self.flux_through_sides_m_per_s.copy(),
+            "met": self._met,
         }
 
     def restore(self, token: dict[str, Any]) -> None:
@@ -188,7 +194,7 @@ class ColumnSolver:
             raise ValueError(
                 f"the saved column has {np.shape(token['velocity'])} cells, this one {self._velocity.shape}"
             )
-        self.time_s = float(token["time_s"])
+        self.time_s, self._met = float(token["time_s"]), bool(token["met"])
         self._velocity = np.array(token["velocity"])
         self._gradient = np.array(token["gradient"])
         self._acceleration = np.array(token["acceleration"])

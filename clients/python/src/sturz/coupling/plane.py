@@ -134,6 +134,7 @@ class PlaneSolver:
         self._u: Array = np.zeros((shape[0], shape[1] + 1))
         self._w: Array = np.zeros((shape[0] + 1, shape[1]))
         self._begin(np.ones(shape), None)
+        self._met = False
 
     def _axis(self, name: Literal["x", "z"], axis: int, walls: Kind) -> Axis:
         sides = self.mesh.sides[axis]
@@ -154,7 +155,7 @@ class PlaneSolver:
     # What it starts from.
 
     def start(self, exchange: Exchange, velocity: Start | None = None) -> FluidFields:
-        """The flow around the particles that are there, before the first window.
+        """The flow around the particles that are there, before the first window, which else begins with it.
 
         Args:
             exchange: its void fraction.
@@ -162,6 +163,7 @@ class PlaneSolver:
                 slowest flow that the ends allow. Made to fulfil continuity with particles at rest.
         """
         self._begin(self._void(exchange), velocity)
+        self._met = True
         return self.fields()
 
     def _begin(self, void: Array, velocity: Start | None) -> None:
@@ -241,6 +243,10 @@ class PlaneSolver:
         if not window_s > 0:
             raise ValueError(f"window_s is {window_s}; it must be above 0")
         void_0, void_1 = self._void(before), self._void(after)
+        if not self._met:
+            # until now it knew of no particles: they must not cost an acceleration
+            self._begin(void_0, None)
+            self._met = True
         window = _Window(void_0, void_1, (void_1 - void_0) / window_s, self._sources(after))
         self.steps, self.divergence_error_per_s = 0, 0.0
         self._gradient, self._acceleration = np.zeros_like(self._gradient), np.zeros_like(self._acceleration)
@@ -423,6 +429,7 @@ class PlaneSolver:
             "pressure": self.pressure_pa.copy(),
             "gradient": self._gradient.copy(),
             "acceleration": self._acceleration.copy(),
+            "met": self._met,
         }
 
     def restore(self, token: dict[str, Any]) -> None:
@@ -430,7 +437,7 @@ class PlaneSolver:
         for name, now in (("u", self._u), ("w", self._w)):
             if np.shape(token[name]) != now.shape:
                 raise ValueError(f"{name} of the saved plane has the shape {np.shape(token[name])}, here {now.shape}")
-        self.time_s = float(token["time_s"])
+        self.time_s, self._met = float(token["time_s"]), bool(token["met"])
         self._u, self._w = np.array(token["u"]), np.array(token["w"])
         self.pressure_pa = np.array(token["pressure"])
         self._gradient, self._acceleration = np.array(token["gradient"]), np.array(token["acceleration"])
