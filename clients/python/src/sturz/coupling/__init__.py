@@ -8,6 +8,7 @@
 from ..fluid import Exchange, Fluid, FluidFields, Mesh, PointMesh, StructuredMesh
 from .acceleration import Acceleration, Aitken, Iqn, Relaxation
 from .column import ColumnSolver
+from .plane import PlaneSolver
 from .run import CoupledRun, Explicit, Implicit, ParticleSide, WindowReport
 from .solver import FluidSolver
 
@@ -25,6 +26,7 @@ __all__ = [
     "Iqn",
     "Mesh",
     "ParticleSide",
+    "PlaneSolver",
     "PointMesh",
     "Relaxation",
     "StructuredMesh",

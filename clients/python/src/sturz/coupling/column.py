@@ -75,10 +75,12 @@ class ColumnSolver:
         self._velocity: NDArray[np.float64] = np.full(n, self._flux(self.time_s))
         self._gradient: NDArray[np.float64] = np.full(n, self._density * self._gravity)
         self._acceleration: NDArray[np.float64] = np.zeros(n)
+        self._met = False
 
     def start(self, exchange: Exchange) -> FluidFields:
-        """The flow around the particles that are there, before the first window."""
+        """The flow around the particles that are there, before the first window, which else begins with it."""
         self._velocity = self._flow(exchange)
+        self._met = True
         return self.fields()
 
     def fields(self) -> FluidFields:
@@ -108,12 +110,15 @@ class ColumnSolver:
 
     def advance(self, window_s: float, before: Exchange, after: Exchange) -> FluidFields:
         """Goes on by a window with what the particles did in it."""
+        if not self._met:
+            # until now it knew of no particles: they must not cost an acceleration
+            self.start(before)
         void_0, void = before.void_fraction, after.void_fraction
         velocity_0, velocity = self._velocity, self._flow(after)
         middle = self._flux(self.time_s + 0.5 * window_s)
         # continuity, side by side from the lower end
-        change = (void - void_0) * self._step / window_s
-        through = np.concatenate([[0.0], -np.cumsum(change)])
+        swelling = (void - void_0) * self._step / window_s
+        through = np.concatenate([[0.0], -np.cumsum(swelling)])
         if self._periodic:
             mean_solid = 0.5 * sum(
                 float(np.mean((1.0 - e.void_fraction) * e.solid_velocity_m_per_s[:, self._axis]))
@@ -125,28 +130,34 @@ class ColumnSolver:
         self.flux_through_sides_m_per_s = through
         # momentum, conservatively: the side's velocity is the mean of both cells
         centre = 0.5 * (velocity_0 + velocity)
-        low = np.roll(centre, 1) if self._periodic else np.concatenate([[through[0]], centre[:-1]])
+        mean_void = 0.5 * (void_0 + void)
+        # the void fraction goes on beyond the inlet: no jump of the velocity there, whose pressure is not the bed's
+        inlet = through[0] / mean_void[0]
+        low = np.roll(centre, 1) if self._periodic else np.concatenate([[inlet], centre[:-1]])
         side = np.concatenate(
             [0.5 * (low + centre), [0.5 * (centre[-1] + centre[0]) if self._periodic else centre[-1]]]
         )
         if not self._periodic:
-            side[0] = through[0]
+            side[0] = inlet
         carried = self._density * through * side
-        rate = self._density * (void * velocity - void_0 * velocity_0) / window_s + np.diff(carried) / self._step
+        change = self._density * (void * velocity - void_0 * velocity_0) / window_s
+        rate = change + np.diff(carried) / self._step
         seen = after.seen_velocity_m_per_s
         push = after.interaction_n_per_m3[:, self._axis].copy()
         if seen is not None:
             push += after.drag_kg_per_m3_s * (seen[:, self._axis] - velocity)
-        mean_void = 0.5 * (void_0 + void)
         weight = mean_void * self._density * self._gravity
         self._gradient = -(rate - push - weight) / mean_void
         self._acceleration = rate / (self._density * mean_void)
         self._velocity = velocity
         self._integrate_pressure()
         self.time_s += window_s
-        balance = rate + mean_void * self._gradient - push - weight
-        size = max(float(np.abs(x).sum()) for x in (rate, mean_void * self._gradient, push, weight))
-        self.momentum_error = float(np.abs(balance.sum())) / size if size > 0 else 0.0
+        # what came through the ends, not what went from cell to cell
+        ends = 0.0 if self._periodic else float(carried[0] - carried[-1]) / self._step
+        parts = (change, mean_void * self._gradient, -push, -weight)
+        size = max(abs(ends), *(float(np.abs(part).sum()) for part in parts))
+        rest = sum(float(part.sum()) for part in parts) - ends
+        self.momentum_error = abs(rest) / size if size > 0 else 0.0
         return self.fields()
 
     def _integrate_pressure(self) -> None:
@@ -174,6 +185,7 @@ class ColumnSolver:
             "acceleration": self._acceleration.copy(),
             "pressure": self.pressure_pa.copy(),
             "through": self.flux_through_sides_m_per_s.copy(),
+            "met": self._met,
         }
 
     def restore(self, token: dict[str, Any]) -> None:
@@ -182,7 +194,7 @@ class ColumnSolver:
             raise ValueError(
                 f"the saved column has {np.shape(token['velocity'])} cells, this one {self._velocity.shape}"
             )
-        self.time_s = float(token["time_s"])
+        self.time_s, self._met = float(token["time_s"]), bool(token["met"])
         self._velocity = np.array(token["velocity"])
         self._gradient = np.array(token["gradient"])
         self._acceleration = np.array(token["acceleration"])
