@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -223,3 +225,12 @@ def test_a_journal_resumes_a_coupled_run_to_the_bit(tmp_path):
         again = simulation.exchange()
         for name in ("void_fraction", "interaction_n_per_m3", "drag_kg_per_m3_s"):
             assert np.array_equal(getattr(again, name), getattr(given, name)), name
+
+
+def test_the_blocks_of_the_page_run_in_order():
+    page = (Path(__file__).resolve().parents[3] / "docs" / "coupling.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
+    assert len(blocks) >= 2
+    names: dict[str, object] = {"__name__": "page"}
+    for block in blocks:
+        exec(compile(block, "docs/coupling.md", "exec"), names)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import math
 import os
 import secrets
 import time
@@ -137,8 +138,9 @@ class WindowReport:
         iterations: 1 when explicit.
         residuals: after each iteration, the largest over the columns, relative.
         lag: change of the fluid over the window that the particles did not see, relative: 0 when converged.
-        momentum_error: impulse that the particles lost to the fluid less what the cells got, over the larger of both.
-        solid_volume_error: volume of the particles in the mesh less what the cells have, relative.
+        momentum_error: impulse that the particles lost to the fluid less what the cells got, over the larger of both;
+            NaN where the particles do not say.
+        solid_volume_error: volume of the particles in the mesh less what the cells have, relative; NaN likewise.
         wall_s: seconds spent by ``particles`` (with the bus), ``solver`` and ``saving``.
     """
 
@@ -202,6 +204,7 @@ class CoupledRun:
         self._particles = DaemonParticles(simulation) if isinstance(simulation, Simulation) else simulation
         self._fluid = fluid
         self._before: tuple[FluidFields, float] | None = None
+        self._apart = False
         self._wall: dict[str, float] = {}
         self.fields = solver.fields()
         self._columns = tuple(name for name in _COLUMNS if getattr(self.fields, name) is not None)
@@ -225,19 +228,25 @@ class CoupledRun:
         """Both go on by a window.
 
         Raises:
-            CouplingError: it ended early or did not converge. After the latter both are at its start.
+            CouplingError: it ended early, did not converge, or the solver's fields are not finite. After an implicit
+                window that fails, for whatever reason, both sides are at its start; after an explicit one they are
+                apart, and only `resume` goes on.
         """
         if not window_s > 0:
             raise ValueError(f"window_s is {window_s}; it must be above 0")
+        if self._apart:
+            raise CouplingError("particles and fluid are apart since a window failed: resume what was saved")
         self._wall = {"particles": 0.0, "solver": 0.0, "saving": 0.0}
         start = self.fields
         if isinstance(self.scheme, Implicit):
             after, found, residuals = self._iterate(window_s, self.scheme)
             lag = residuals[-1]
         else:
+            self._apart = True
             after = self._timed("particles", self._particles.advance, window_s, start, False)
             after = dataclasses.replace(after, seen_velocity_m_per_s=start.velocity_m_per_s)
             found = self._solve(window_s, after)
+            self._apart = False
             residuals, lag = [], self._difference(found, start)
         report = WindowReport(
             time_s=after.time_s,
@@ -262,17 +271,37 @@ class CoupledRun:
 
     def _solve(self, window_s: float, after: Exchange) -> FluidFields:
         before, part = self.exchange, window_s / self._substeps
-        if self._substeps == 1:
-            return self._timed("solver", self.solver.advance, window_s, before, after)
-        found = self.fields
-        mix = after.void_fraction - before.void_fraction
-        ends = [
-            dataclasses.replace(after, void_fraction=before.void_fraction + mix * (k / self._substeps))
-            for k in range(self._substeps + 1)
+        ends = [self._between(before, after, k / self._substeps, window_s) for k in range(self._substeps)] + [after]
+        parts = [
+            self._timed("solver", self.solver.advance, part, first, last) for first, last in itertools.pairwise(ends)
         ]
-        for first, last in itertools.pairwise(ends):
-            found = self._timed("solver", self.solver.advance, part, first, last)
+        for name in self._columns:
+            broken = np.argwhere(~np.isfinite(getattr(parts[-1], name)))
+            if len(broken):
+                raise CouplingError(f"the solver's {name} is not finite in row {broken[0][0]} at {after.time_s} s")
+        # velocities are states, these are means over the window
+        means = {
+            name: np.mean([getattr(each, name) for each in parts], axis=0)
+            for name in ("pressure_gradient_pa_per_m", "acceleration_m_per_s2")
+            if name in self._columns and len(parts) > 1
+        }
+        found: FluidFields = dataclasses.replace(parts[-1], **means)
         return found
+
+    def _between(self, before: Exchange, after: Exchange, part: float, window_s: float) -> Exchange:
+        """The end of a part of a window: the sources are those of all of it."""
+
+        def mix(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+            return a + (b - a) * part
+
+        seen = after.seen_velocity_m_per_s
+        return dataclasses.replace(
+            after if part > 0 else before,
+            time_s=after.time_s - window_s * (1.0 - part),
+            void_fraction=mix(before.void_fraction, after.void_fraction),
+            solid_velocity_m_per_s=mix(before.solid_velocity_m_per_s, after.solid_velocity_m_per_s),
+            seen_velocity_m_per_s=None if seen is None else mix(self.fields.velocity_m_per_s, seen),
+        )
 
     def _guess(self, window_s: float, scheme: Implicit) -> NDArray[np.float64]:
         now = _pack(self.fields, self._columns)
@@ -284,6 +313,19 @@ class CoupledRun:
     def _iterate(self, window_s: float, scheme: Implicit) -> tuple[Exchange, FluidFields, list[float]]:
         particles = self._timed("saving", self._particles.save)
         solver = self._timed("saving", self.solver.save)
+        try:
+            return self._iterations(window_s, scheme, particles, solver)
+        except BaseException:
+            # a partner that died cannot go back
+            self._apart = True
+            self._particles.restore(particles)
+            self.solver.restore(solver)
+            self._apart = False
+            raise
+
+    def _iterations(
+        self, window_s: float, scheme: Implicit, particles: Any, solver: Any
+    ) -> tuple[Exchange, FluidFields, list[float]]:
         scheme.acceleration.reset()
         guess, residuals = self._guess(window_s, scheme), list[float]()
         # the same for all iterations of a window
@@ -296,14 +338,14 @@ class CoupledRun:
             residuals.append(self._difference(found, seen))
             if residuals[-1] <= scheme.tolerance:
                 return after, found, residuals
-            self._timed("saving", self._particles.restore, particles)
-            self._timed("saving", self.solver.restore, solver)
-            if len(residuals) >= scheme.max_iterations or not np.isfinite(residuals[-1]):
+            if len(residuals) >= scheme.max_iterations:
                 raise CouplingError(
                     f"the window from {self.exchange.time_s} s has not converged in {len(residuals)} iterations: "
                     f"residual {residuals[-1]:.3g}, wanted {scheme.tolerance:.3g}; both sides are at its start. "
                     "Shorten the window, or give another acceleration"
                 )
+            self._timed("saving", self._particles.restore, particles)
+            self._timed("saving", self.solver.restore, solver)
             if scale is None:
                 scale = self._scales(found)
             guess = scale * scheme.acceleration.next(guess / scale, (_pack(found, self._columns) - guess) / scale)
@@ -328,7 +370,7 @@ class CoupledRun:
 
     def _momentum_error(self, after: Exchange) -> float:
         if "impulse_on_fluid_n_s" not in after.totals:
-            return 0.0
+            return math.nan
         window_s = after.time_s - after.from_time_s
         cells = (after.interaction_n_per_m3 * self.solver.mesh.volumes_m3[:, None]).sum(axis=0) * window_s
         total = np.asarray(after.totals["impulse_on_fluid_n_s"])
@@ -337,7 +379,9 @@ class CoupledRun:
 
     def _volume_error(self, after: Exchange) -> float:
         solid = float(((1.0 - after.void_fraction) * self.solver.mesh.volumes_m3).sum())
-        total = after.totals.get("immersed_volume_m3", solid)
+        total = after.totals.get("immersed_volume_m3", math.nan)
+        if math.isnan(total):
+            return math.nan
         return abs(solid - total) / total if total > 0 else abs(solid)
 
     # What outlives either side.
@@ -402,6 +446,7 @@ class CoupledRun:
             length_s = float(before["length_s"])
             fields = FluidFields(**{name: before[name] for name in self._columns})
         self._before = (fields, length_s) if length_s > 0 else None
+        self._apart = False
         self.exchange = self._particles.exchange()
 
     def close(self) -> None:
