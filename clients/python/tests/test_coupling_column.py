@@ -1,13 +1,16 @@
 """The column against closed forms."""
 
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from fluid_exchange import DENSITY, ERGUN, VOID, ergun_beta, exchange, fixed_bed
 
-from sturz.coupling import ColumnSolver, Exchange, StructuredMesh
+from sturz.coupling import ColumnSolver, Exchange, FluidSolver, StructuredMesh
 
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "coupling_solver.md"
 CELLS, HEIGHT = 20, 0.04
 
 
@@ -127,3 +130,25 @@ def test_bad_input_is_named() -> None:
     full = exchange(mesh, 0.0, 1e-3, void=np.where(np.arange(CELLS) == 7, -0.1, 0.5))
     with pytest.raises(ValueError, match=r"void fraction of cell 7 is -0\.1"):
         solver.advance(1e-3, full, full)
+
+
+def test_the_partner_of_the_page(tmp_path: Path) -> None:
+    names: dict[str, Any] = {"__name__": "page"}
+    (block,) = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(), flags=re.DOTALL | re.MULTILINE)
+    exec(compile(block, str(PAGE), "exec"), names)
+    mesh, drag, window = column("closed"), 2e5, 1e-3
+    tank = names["Tank"](mesh, DENSITY)
+    assert isinstance(tank, FluidSolver)
+    # a bed that moves at 0.1 m/s takes the fluid along: backward Euler of (0.1 - u)' = -B / (e rho) (0.1 - u)
+    for k in range(1, 4):
+        seen = tank.fields().velocity_m_per_s
+        push = drag * (np.array([0.0, 0.0, 0.1]) - seen)
+        bed = exchange(mesh, tank.time_s, tank.time_s + window, void=VOID, push=push, drag=drag, seen=seen)
+        tank.advance(window, bed, bed)
+        left = (1.0 + window * drag / (VOID * DENSITY)) ** -k
+        assert tank.velocity[2] == pytest.approx(0.1 * (1.0 - left), rel=1e-12)
+    tank.to_file(tmp_path / "tank.npz")
+    other = names["Tank"](mesh, DENSITY)
+    other.from_file(tmp_path / "tank.npz")
+    assert np.array_equal(other.fields().velocity_m_per_s, tank.fields().velocity_m_per_s)
+    assert other.time_s == tank.time_s == pytest.approx(3 * window)

@@ -302,6 +302,30 @@ def test_one_cell_across_is_the_column() -> None:
         before = after
 
 
+def test_a_mean_gradient_drives_a_periodic_bed() -> None:
+    # rho e du/dt = -e G - B u: backward Euler in B, one step per window
+    gradient, drag, window = -2000.0, 3e5, 1e-3
+    mesh = plane(1, 6, (0.01, 0.03), "closed", "periodic")
+    solver = PlaneSolver(
+        mesh,
+        density_kg_per_m3=DENSITY,
+        viscosity_pa_s=VISCOSITY,
+        walls="slip",
+        mean_gradient_pa_per_m=(0.0, gradient),
+    )
+    final, velocity = -VOID * gradient / drag, 0.0
+    for k in range(1, 5):
+        seen = solver.fields().velocity_m_per_s
+        bed = fixed_bed(mesh, solver.time_s, k * window, void=VOID, drag=drag, seen=seen)
+        fields = solver.advance(window, bed, bed)
+        velocity = (velocity + window * -gradient / DENSITY) / (1.0 + window * drag / (VOID * DENSITY))
+        assert solver.steps == 1
+        assert fields.velocity_m_per_s[:, 2] == pytest.approx(velocity, rel=1e-10)
+    assert fields.pressure_gradient_pa_per_m is not None
+    assert fields.pressure_gradient_pa_per_m[:, 2] == pytest.approx(gradient, rel=1e-10)
+    assert velocity == pytest.approx(final, rel=0.15)
+
+
 def test_a_closed_box_at_rest_is_hydrostatic() -> None:
     mesh = plane(6, 8, (0.06, 0.08), "closed", "closed")
     solver = PlaneSolver(mesh, density_kg_per_m3=DENSITY, viscosity_pa_s=VISCOSITY, gravity_m_per_s2=(0.0, -9.81))
@@ -378,6 +402,9 @@ def test_bad_input_is_named() -> None:
             solver.advance(1.0, bad, bad)
     with pytest.raises(ValueError, match="no end is open"):
         solver.advance(1.0, exchange(mesh, 0.0, 0.0), exchange(mesh, 0.0, 1.0, void=0.9))
+    push = np.where(np.arange(36).reshape(12, 3) == 14, np.nan, 0.0)
+    with pytest.raises(ValueError, match="interaction_n_per_m3 is not finite in cell 4"):
+        solver.advance(1.0, exchange(mesh, 0.0, 0.0), exchange(mesh, 0.0, 1.0, push=push))
     with pytest.raises(ValueError, match="window_s is 0"):
         solver.advance(0.0, exchange(mesh, 0.0, 0.0), exchange(mesh, 0.0, 1.0))
 

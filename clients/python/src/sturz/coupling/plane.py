@@ -284,6 +284,10 @@ class PlaneSolver:
 
     def _sources(self, after: Exchange) -> tuple[_Source, _Source]:
         """For x and z."""
+        for name in ("interaction_n_per_m3", "drag_kg_per_m3_s", "seen_velocity_m_per_s"):
+            values = getattr(after, name)
+            if values is not None and not np.isfinite(values).all():
+                raise ValueError(f"{name} is not finite in cell {int(np.argwhere(~np.isfinite(values))[0][0])}")
         shape = (self._z.count, self._x.count)
         drag = np.asarray(after.drag_kg_per_m3_s, float).reshape(shape)
         now = staggered.to_cells(self._u), staggered.to_cells(self._w.T).T
