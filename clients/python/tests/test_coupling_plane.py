@@ -30,7 +30,7 @@ def run_empty(solver: PlaneSolver, window_s: float, windows: int) -> None:
 
 def test_poiseuille_between_plates() -> None:
     # -dp/dz = 8 Pa/m over plates 1 m apart, viscosity 1: w = 4 x (1 - x) + h^2, the last for the walls' half cells
-    n, gradient = 6, 8.0
+    n, gradient = 4, 8.0
     mesh = plane(n, 3, (1.0, 3.0), "closed", "periodic")
     solver = PlaneSolver(
         mesh, density_kg_per_m3=1.0, viscosity_pa_s=1.0, mean_gradient_pa_per_m=(0.0, -gradient), convection="central"
@@ -51,7 +51,7 @@ def test_poiseuille_between_plates() -> None:
 
 def test_a_uniform_inflow_becomes_poiseuille() -> None:
     # a channel 5 widths long at Re 1; mean velocity 1, so nearly 6 x (1 - x) in its middle
-    n = 6
+    n = 4
     mesh = plane(n, 20, (1.0, 5.0), "closed", ("closed", "open"))
     solver = PlaneSolver(mesh, density_kg_per_m3=1.0, viscosity_pa_s=1.0, inflow_m_per_s={"z_low": 1.0})
     run_empty(solver, 0.5, 3)

@@ -156,13 +156,13 @@ def transport(
     """
     (u, w), (qu, qw), (x, z) = velocity, flux, axes
     inner = to_cells(qu)
-    edge = np.column_stack([u[:, -2], u, u[:, 1]]) if x.periodic else np.pad(u, ((0, 0), (1, 1)), mode="edge")
+    edge = np.column_stack([u[:, -2], u, u[:, 1]] if x.periodic else [u[:, 0], u, u[:, -1]])
     carried = density * inner * between(edge, inner, scheme)
     stretch, other = np.diff(u, axis=1) / x.step_m, np.diff(w, axis=0) / z.step_m
     # tau = mu (grad u + its transpose - 2/3 div u): div u is not 0 where the void fraction varies
     pulled = void * viscosity * (2.0 * stretch - (2.0 / 3.0) * (stretch + other))
     corner = to_sides(qw, x.periodic)
-    rows = np.pad(u, ((2, 2), (0, 0)), mode="wrap" if z.periodic else "edge")
+    rows = np.take(u, np.arange(-2, len(u) + 2), axis=0, mode="wrap" if z.periodic else "clip")
     at_corner = between(rows.T, corner.T, scheme).T
     if not z.periodic:
         # a wall carries nothing; what flows in has no tangential velocity; what flows out has that of the last row
