@@ -105,6 +105,12 @@ impl Push {
         }
         push
     }
+
+    /// Whether it does anything to the rotation.
+    #[inline(always)]
+    fn turns(&self) -> bool {
+        self.rotational_drag != 0.0 || self.torque != Vec3::zeros()
+    }
 }
 
 impl HalfStep<'_> {
@@ -116,29 +122,39 @@ impl HalfStep<'_> {
         let z = push.drag * inertial * self.h;
         let mean = decay_mean(z);
         let path = acceleration * self.h;
+        After {
+            // e^-z = 1 - z (1 - e^-z)/z: one exponential for both
+            velocity: row.velocity * (1.0 - z * mean) + path * mean,
+            mean_velocity: row.velocity * mean + path * decay_lag(z, mean),
+            momentum: if push.turns() { self.turned(push, row, torque) } else { row.momentum + torque * self.h },
+        }
+    }
+
+    /// Angular momentum after half a step.
+    fn turned(&self, push: &Push, row: &Row<'_>, torque: &Vec3) -> Vec3 {
         let mut in_body = row.rotation.tr_mul(row.momentum);
         let torque_in_body = row.rotation.tr_mul(&(torque + push.torque));
         for axis in 0..3 {
             let z = push.rotational_drag * self.h / row.inertia[axis];
-            in_body[axis] = in_body[axis] * (-z).exp() + torque_in_body[axis] * (self.h * decay_mean(z));
+            let mean = decay_mean(z);
+            in_body[axis] = in_body[axis] * (1.0 - z * mean) + torque_in_body[axis] * (self.h * mean);
         }
-        After {
-            velocity: row.velocity * (-z).exp() + path * mean,
-            mean_velocity: row.velocity * mean + path * decay_lag(z, mean),
-            momentum: row.rotation * in_body,
-        }
+        row.rotation * in_body
     }
 
     /// Adds the force and torque that a plain half kick needs, and returns the work of the push, J: its impulse times the
     /// mean of the velocities before and after, which is the energy that it gives the particle.
     #[inline(always)]
-    fn add_to(&self, after: &After, row: &Row<'_>, (force, torque): (&mut Vec3, &mut Vec3)) -> f64 {
+    fn add_to(&self, push: &Push, after: &After, row: &Row<'_>, (force, torque): (&mut Vec3, &mut Vec3)) -> f64 {
         let total_force = (after.velocity - row.velocity) * (row.mass / self.h) - self.gravity * row.mass;
-        let total_torque = (after.momentum - row.momentum) / self.h;
-        let rate = |momentum: &Vec3| row.rotation * row.rotation.tr_mul(momentum).component_div(row.inertia);
-        let work = (total_force - *force).dot(&(after.velocity + row.velocity))
-            + (total_torque - *torque).dot(&(rate(&after.momentum) + rate(row.momentum)));
-        (*force, *torque) = (total_force, total_torque);
+        let mut work = (total_force - *force).dot(&(after.velocity + row.velocity));
+        *force = total_force;
+        if push.turns() {
+            let total_torque = (after.momentum - row.momentum) / self.h;
+            let rate = |momentum: &Vec3| row.rotation * row.rotation.tr_mul(momentum).component_div(row.inertia);
+            work += (total_torque - *torque).dot(&(rate(&after.momentum) + rate(row.momentum)));
+            *torque = total_torque;
+        }
         0.5 * self.h * work
     }
 }
@@ -230,8 +246,9 @@ impl Reads<'_> {
                 Outcome { acting: acting.unwrap_or_default(), mean_velocity: *body.velocity, change: Vec3::zeros() };
             return (outcome, 0.0);
         }
-        let after = self.half.after(&Push::of(load, acting.as_ref()), &body, force, torque);
-        let work = self.half.add_to(&after, &body, (force, torque));
+        let push = Push::of(load, acting.as_ref());
+        let after = self.half.after(&push, &body, force, torque);
+        let work = self.half.add_to(&push, &after, &body, (force, torque));
         let change = after.velocity - body.velocity;
         (Outcome { acting: acting.unwrap_or_default(), mean_velocity: after.mean_velocity, change }, work)
     }
@@ -290,8 +307,10 @@ impl Engine {
             };
             let after = half.after(&push, &columns, &force[row], &torque[row]);
             motion.velocity = after.velocity;
-            let rate = rotation[row].tr_mul(&after.momentum).component_div(&inertia[row]);
-            motion.angular_velocity = rotation[row] * rate;
+            if push.turns() {
+                let rate = rotation[row].tr_mul(&after.momentum).component_div(&inertia[row]);
+                motion.angular_velocity = rotation[row] * rate;
+            }
         });
     }
 

@@ -3,8 +3,8 @@
 mod common;
 
 use common::Daemon;
-use sturz_client::v1::ErrorCode;
-use sturz_client::{ClientError, FloatType, Insertion, Loads, Placement, Refusal, Simulation, Window};
+use sturz_client::v1::{self, ErrorCode};
+use sturz_client::{ClientError, FloatType, FluidFields, Insertion, Loads, Placement, Refusal, Simulation, Window};
 
 /// Of a bead, kg.
 const MASS: f64 = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-9;
@@ -108,4 +108,56 @@ fn a_restored_window_has_the_loads_of_its_checkpoint() {
     simulation.set_loads(Loads { topology_epoch, ..Loads::default() }).unwrap();
     simulation.restore("within-the-ramp").unwrap();
     assert_eq!(hash(&simulation), first);
+}
+
+/// A fluid of 2 x 2 x 2 boxes around a bead at rest.
+fn fluid() -> v1::FluidDefinition {
+    let vector = |x: f64| Some(v1::Vec3 { x, y: x, z: x });
+    let mesh = v1::StructuredMesh {
+        origin_m: vector(-0.05),
+        spacing_m: vector(0.05),
+        count_x: 2,
+        count_y: 2,
+        count_z: 2,
+        ..Default::default()
+    };
+    v1::FluidDefinition {
+        density_kg_per_m3: 1000.0,
+        viscosity_pa_s: 1e-3,
+        drag: v1::DragLaw::Stokes.into(),
+        voidage: v1::VoidageLaw::None.into(),
+        mesh: Some(v1::fluid_definition::Mesh::Structured(mesh)),
+        smoothing_length_m: Some(0.02),
+        ..Default::default()
+    }
+}
+
+#[test]
+fn a_window_takes_a_fluid_in_and_brings_back_what_it_gets() {
+    let daemon = Daemon::start("fluid");
+    let simulation = daemon.connect();
+    simulation.set_gravity([0.0; 3]).unwrap();
+    simulation.insert(Insertion::new("bead", "glass", Placement::poses(vec![[0.0; 3]]))).unwrap();
+    let fields = FluidFields { velocity_m_per_s: vec![[0.1, 0.0, 0.0]; 8], ..FluidFields::default() };
+    let early = refusal(simulation.advance(Window::new(1e-3).with_fluid(fields.clone())));
+    assert_eq!((early.code, early.path.as_str()), (ErrorCode::InvalidInput, "fluid"));
+    simulation.set_fluid(Some(fluid()), Some(fields.clone())).unwrap();
+    let window_s = 0.02;
+    let done = simulation.advance(Window::new(window_s).with_columns(["velocities"]).with_fluid(fields)).unwrap();
+    let exchange = done.exchange.unwrap();
+    // v = u (1 - exp(-t / tau)), Stokes' drag being linear
+    let rate = 6.0 * std::f64::consts::PI * 1e-3 * 1e-3 / MASS;
+    let wanted = 0.1 * -(-rate * window_s).exp_m1();
+    let found = done.state.unwrap().velocities_m_per_s().unwrap()[0][0];
+    assert!((found / wanted - 1.0).abs() < 1e-10, "{found} {wanted}");
+    let given = exchange.interaction_n_per_m3().unwrap().iter().map(|force| force[0]).sum::<f64>();
+    assert!((given * 0.05_f64.powi(3) * window_s / (-MASS * found) - 1.0).abs() < 1e-10);
+    let solid: f64 = exchange.void_fraction().unwrap().iter().map(|void| (1.0 - void) * 0.05_f64.powi(3)).sum();
+    assert!((solid * 2500.0 / MASS - 1.0).abs() < 1e-10);
+    assert_eq!((exchange.from_time_s(), exchange.time_s()), (0.0, done.time_reached_s));
+    assert!(exchange.drag_kg_per_m3_s().unwrap().iter().all(|&drag| drag > 0.0));
+    assert_eq!(exchange.solid_velocity_m_per_s().unwrap().len(), 8);
+    assert_eq!(simulation.exchange().unwrap().void_fraction().unwrap(), exchange.void_fraction().unwrap());
+    simulation.set_fluid(None, None).unwrap();
+    assert_eq!(refusal(simulation.exchange()).code, ErrorCode::NotFound);
 }

@@ -166,7 +166,7 @@ fn tumbling(checks: &mut Checks) -> anyhow::Result<()> {
     let tilt = ", orientations_wxyz = [[0.968912421710645, 0.0, 0.247403959254523, 0.0]]";
     let mut points = Vec::new();
     let mut reference = None;
-    for time_step_s in [2e-3, 1e-3, 5e-4, 2.5e-4] {
+    for time_step_s in [4e-4, 2e-4, 1e-4, 5e-5] {
         let geometry = "kind = \"cylinder\", radius_m = 5e-4, length_m = 3e-3";
         let mut engine = body(geometry, 2500.0, GRAVITY, time_step_s, tilt)?;
         put(&mut engine, fluid(laws))?;
@@ -181,10 +181,10 @@ fn tumbling(checks: &mut Checks) -> anyhow::Result<()> {
         let [vx, _, vz] = state.velocities[0];
         let speed = (vx - wanted[0]).hypot(vz - wanted[1]) / wanted[0].hypot(wanted[1]);
         points.push((time_step_s, checks.loop_time_s(), error.max(1e-16)));
-        if time_step_s == 2.5e-4 {
+        if time_step_s == 5e-5 {
             checks.shows("tumbling cylinder: angle turned in 0.2 s", wanted[2], "rad");
-            checks.near("tumbling cylinder at 0.25 ms: angle", angle, wanted[2], 1e-4, "rad");
-            checks.vanishes("tumbling cylinder at 0.25 ms: error of the velocity", speed, 1e-4, "-");
+            checks.near("tumbling cylinder at 0.05 ms: angle", angle, wanted[2], 1e-4, "rad");
+            checks.vanishes("tumbling cylinder at 0.05 ms: error of the velocity", speed, 1e-4, "-");
         }
     }
     let order = (points[1].2 / points[3].2).log2() / 2.0;
@@ -297,17 +297,20 @@ fn pool_reference() -> [f64; 2] {
 
 fn orders_in_the_window(checks: &mut Checks) -> anyhow::Result<()> {
     let wanted = pool_reference();
-    for (name, iterated, order) in [("explicit", false, 1.0), ("iterated", true, 2.0)] {
+    // iterated windows soon err by less than the step does
+    let (many, few) = ([16, 32, 64, 128], [2, 4, 8, 16]);
+    for (name, iterated, order, counts) in [("explicit", false, 1.0, many), ("iterated", true, 2.0, few)] {
         let mut points = Vec::new();
         checks.loop_time_s();
-        for windows in [16, 32, 64, 128] {
+        for windows in counts {
             let found = pool(checks, windows, iterated)?;
             let error = (found[0] - wanted[0]).abs() / wanted[0].abs();
             points.push((0.256 / f64::from(windows), checks.loop_time_s(), error));
         }
         let found = (points[1].2 / points[3].2).log2() / 2.0;
         checks.near(format!("ball in a pool, {name}: order in the window"), found, order, 0.15, "-");
-        checks.shows(format!("ball in a pool, {name}: error of its speed at windows of 2 ms"), points[3].2, "-");
+        let label = format!("ball in a pool, {name}: error of its speed at windows of {:.0} ms", 1e3 * points[3].0);
+        checks.shows(label, points[3].2, "-");
         checks.work_precision("error of the speed", "window, s", name, &points);
     }
     Ok(())
