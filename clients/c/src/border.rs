@@ -127,7 +127,7 @@ pub(crate) fn check_room(what: &str, capacity: u64, count: u64) -> Result<(), Fa
     }
     let message =
         format!("{what}.capacity is {capacity}, and there are {count} rows: give larger arrays and ask again");
-    Err(Failure { code: sturz_code::TooSmall, path: format!("{what}.capacity"), message })
+    Err(Failure { code: sturz_code::SturzTooSmall, path: format!("{what}.capacity"), message })
 }
 
 /// A duration.
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn what_cannot_be_read_is_named() {
         let bad = |failure: Failure| {
-            assert_eq!(failure.code, sturz_code::InvalidArgument);
+            assert_eq!(failure.code, sturz_code::SturzInvalidArgument);
             failure.message
         };
         // SAFETY: null and misaligned pointers and absurd lengths are found before anything is read.
@@ -180,6 +180,6 @@ mod tests {
     fn too_little_room_says_how_much_is_needed() {
         assert!(check_room("state", 3, 3).is_ok());
         let failure = check_room("state", 3, 4).unwrap_err();
-        assert!(failure.code == sturz_code::TooSmall && failure.message.contains("there are 4 rows"));
+        assert!(failure.code == sturz_code::SturzTooSmall && failure.message.contains("there are 4 rows"));
     }
 }

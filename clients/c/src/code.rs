@@ -4,93 +4,97 @@ use sturz_client::ClientError;
 use sturz_client::v1::ErrorCode;
 
 /// What became of a call: 0 when it did what it says. `sturz_last_error_message` tells more of the others.
+///
+/// cbindgen:rename-all=ScreamingSnakeCase
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// As in C, where they are global.
+#[allow(clippy::enum_variant_names)]
 pub enum sturz_code {
     /// Done.
-    Ok = 0,
+    SturzOk = 0,
     /// An argument of this call is null, not finite, misaligned, of an unknown kind, or does not fit the others. Nothing was
     /// sent.
-    InvalidArgument = 1,
+    SturzInvalidArgument = 1,
     /// An array of the caller has less room than there are rows; it is untouched, and the needed count is set. What else the
     /// call does is done.
-    TooSmall = 2,
+    SturzTooSmall = 2,
     /// No daemon, or none of that name, was found within the time given.
-    NotFound = 3,
+    SturzNotFound = 3,
     /// The daemon was there, and is no more. Only `sturz_reconnect` goes on.
-    Gone = 4,
+    SturzGone = 4,
     /// No answer in time.
-    Timeout = 5,
+    SturzTimeout = 5,
     /// This client may not do that: its certificate, or its role.
-    Denied = 6,
+    SturzDenied = 6,
     /// The window or the steps ended before their end: somebody paused or stopped the daemon, or the lease was lost.
-    EndedEarly = 7,
+    SturzEndedEarly = 7,
     /// The answer lacks what was asked for: the fluid was taken away by somebody else.
-    NotSent = 8,
+    SturzNotSent = 8,
     /// The answer cannot be read: the daemon is of another version.
-    Unreadable = 9,
+    SturzUnreadable = 9,
     /// The message bus failed.
-    Bus = 10,
+    SturzBus = 10,
     /// A window was repeated as often as allowed, and has not converged.
-    NotConverged = 11,
+    SturzNotConverged = 11,
     /// A fault of this library.
-    Panic = 12,
+    SturzPanic = 12,
     /// Refused by the daemon, whose state is as it was; of a kind that this library does not know.
-    Refused = 100,
+    SturzRefused = 100,
     /// The daemon could not read the request.
-    RefusedUndecodable = 101,
+    SturzRefusedUndecodable = 101,
     /// A value is missing, not finite, out of range or of the wrong length: `sturz_last_error_path` tells which.
-    RefusedInvalidInput = 102,
+    SturzRefusedInvalidInput = 102,
     /// Over a limit of the daemon.
-    RefusedTooLarge = 103,
+    SturzRefusedTooLarge = 103,
     /// Its queue is full: try again.
-    RefusedBusy = 104,
+    SturzRefusedBusy = 104,
     /// Windows and steps need a paused simulation: `sturz_pause` first.
-    RefusedNotPaused = 105,
+    SturzRefusedNotPaused = 105,
     /// Another window is under way.
-    RefusedWindowInFlight = 106,
+    SturzRefusedWindowInFlight = 106,
     /// The simulation is not where this client left it: somebody else went on. `sturz_get_info` takes note of where it is.
-    RefusedWrongTime = 107,
+    SturzRefusedWrongTime = 107,
     /// The request id was used before.
-    RefusedRequestIdReused = 108,
+    SturzRefusedRequestIdReused = 108,
     /// There is no checkpoint, or no fluid with a mesh.
-    RefusedNotFound = 109,
+    SturzRefusedNotFound = 109,
     /// The run has failed, and can only be read or restored.
-    RefusedRunFailed = 110,
+    SturzRefusedRunFailed = 110,
     /// The daemon is ending.
-    RefusedStopping = 111,
+    SturzRefusedStopping = 111,
     /// A fault of the daemon.
-    RefusedInternal = 112,
+    SturzRefusedInternal = 112,
     /// The checkpoint is damaged, of another scene or of another version.
-    RefusedUnusableCheckpoint = 113,
+    SturzRefusedUnusableCheckpoint = 113,
     /// The daemon's disk is full, or refuses.
-    RefusedDisk = 114,
+    SturzRefusedDisk = 114,
     /// Another client holds the lease, or this one does not.
-    RefusedLease = 115,
+    SturzRefusedLease = 115,
     /// A recording is played there: it cannot be steered.
-    RefusedRecording = 116,
+    SturzRefusedRecording = 116,
 }
 
 impl From<ErrorCode> for sturz_code {
     fn from(code: ErrorCode) -> Self {
         match code {
-            ErrorCode::Unspecified => Self::Refused,
-            ErrorCode::Undecodable => Self::RefusedUndecodable,
-            ErrorCode::InvalidInput => Self::RefusedInvalidInput,
-            ErrorCode::TooLarge => Self::RefusedTooLarge,
-            ErrorCode::Busy => Self::RefusedBusy,
-            ErrorCode::NotPaused => Self::RefusedNotPaused,
-            ErrorCode::WindowInFlight => Self::RefusedWindowInFlight,
-            ErrorCode::WrongTime => Self::RefusedWrongTime,
-            ErrorCode::RequestIdReused => Self::RefusedRequestIdReused,
-            ErrorCode::NotFound => Self::RefusedNotFound,
-            ErrorCode::RunFailed => Self::RefusedRunFailed,
-            ErrorCode::Stopping => Self::RefusedStopping,
-            ErrorCode::Internal => Self::RefusedInternal,
-            ErrorCode::UnusableCheckpoint => Self::RefusedUnusableCheckpoint,
-            ErrorCode::Disk => Self::RefusedDisk,
-            ErrorCode::Lease => Self::RefusedLease,
-            ErrorCode::Recording => Self::RefusedRecording,
+            ErrorCode::Unspecified => Self::SturzRefused,
+            ErrorCode::Undecodable => Self::SturzRefusedUndecodable,
+            ErrorCode::InvalidInput => Self::SturzRefusedInvalidInput,
+            ErrorCode::TooLarge => Self::SturzRefusedTooLarge,
+            ErrorCode::Busy => Self::SturzRefusedBusy,
+            ErrorCode::NotPaused => Self::SturzRefusedNotPaused,
+            ErrorCode::WindowInFlight => Self::SturzRefusedWindowInFlight,
+            ErrorCode::WrongTime => Self::SturzRefusedWrongTime,
+            ErrorCode::RequestIdReused => Self::SturzRefusedRequestIdReused,
+            ErrorCode::NotFound => Self::SturzRefusedNotFound,
+            ErrorCode::RunFailed => Self::SturzRefusedRunFailed,
+            ErrorCode::Stopping => Self::SturzRefusedStopping,
+            ErrorCode::Internal => Self::SturzRefusedInternal,
+            ErrorCode::UnusableCheckpoint => Self::SturzRefusedUnusableCheckpoint,
+            ErrorCode::Disk => Self::SturzRefusedDisk,
+            ErrorCode::Lease => Self::SturzRefusedLease,
+            ErrorCode::Recording => Self::SturzRefusedRecording,
         }
     }
 }
@@ -98,21 +102,21 @@ impl From<ErrorCode> for sturz_code {
 impl From<&ClientError> for sturz_code {
     fn from(error: &ClientError) -> Self {
         match error {
-            denied if denied.is_denial() => Self::Denied,
+            denied if denied.is_denial() => Self::SturzDenied,
             ClientError::Refused(refusal) => refusal.code.into(),
             ClientError::InvalidName(_) | ClientError::InvalidEndpoint { .. } | ClientError::NoCertificate { .. } => {
-                Self::InvalidArgument
+                Self::SturzInvalidArgument
             }
             ClientError::NobodyListens { .. } | ClientError::NoSuchInstance { .. } | ClientError::Silent { .. } => {
-                Self::NotFound
+                Self::SturzNotFound
             }
-            ClientError::DaemonGone { .. } => Self::Gone,
-            ClientError::Timeout { .. } | ClientError::NoAnswer { .. } => Self::Timeout,
+            ClientError::DaemonGone { .. } => Self::SturzGone,
+            ClientError::Timeout { .. } | ClientError::NoAnswer { .. } => Self::SturzTimeout,
             ClientError::Unreadable { .. }
             | ClientError::ColumnMissing { .. }
             | ClientError::Column { .. }
-            | ClientError::ColumnRows { .. } => Self::Unreadable,
-            _ => Self::Bus,
+            | ClientError::ColumnRows { .. } => Self::SturzUnreadable,
+            _ => Self::SturzBus,
         }
     }
 }

@@ -85,7 +85,7 @@ impl sturz_exchange {
         let rows = [void_fraction.len(), solid_velocity.len(), interaction.len(), pressure_force.len(), drag.len()];
         if rows.iter().any(|&rows| rows != void_fraction.len()) {
             let message = format!("the columns of the exchange have {rows:?} rows, and should have equally many");
-            return Err(Failure::new(sturz_code::Unreadable, message));
+            return Err(Failure::new(sturz_code::SturzUnreadable, message));
         }
         self.cells = void_fraction.len() as u64;
         (self.from_time_s, self.time_s) = (exchange.from_time_s(), exchange.time_s());

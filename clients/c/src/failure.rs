@@ -25,7 +25,7 @@ impl Failure {
 
     /// Of an argument of this side: `path` as in C, what it is and what it must be.
     pub(crate) fn argument(path: &str, what: &str) -> Self {
-        Self { code: sturz_code::InvalidArgument, path: path.into(), message: format!("{path} {what}") }
+        Self { code: sturz_code::SturzInvalidArgument, path: path.into(), message: format!("{path} {what}") }
     }
 }
 
@@ -45,16 +45,16 @@ struct Last {
 
 thread_local! {
     static LAST: RefCell<Last> =
-        RefCell::new(Last { code: sturz_code::Ok, message: CString::default(), path: CString::default() });
+        RefCell::new(Last { code: sturz_code::SturzOk, message: CString::default(), path: CString::default() });
 }
 
 /// Does the work of a call, remembers why it failed, and lets no panic through.
 pub(crate) fn guard(work: impl FnOnce() -> Result<(), Failure>) -> sturz_code {
     // What a panic leaves behind is a connection, whose locks are taken poisoned or not.
     let failure = match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(())) => return sturz_code::Ok,
+        Ok(Ok(())) => return sturz_code::SturzOk,
         Ok(Err(failure)) => failure,
-        Err(panic) => Failure::new(sturz_code::Panic, format!("a fault of this library: {}", panic_text(&*panic))),
+        Err(panic) => Failure::new(sturz_code::SturzPanic, format!("a fault of this library: {}", panic_text(&*panic))),
     };
     remember(&failure);
     failure.code
@@ -76,10 +76,10 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("it does not say why")
 }
 
-/// What the last call of this thread that failed returned; `STURZ_CODE_OK` when none has.
+/// What the last call of this thread that failed returned; `STURZ_OK` when none has.
 #[unsafe(no_mangle)]
 pub extern "C" fn sturz_last_error_code() -> sturz_code {
-    LAST.try_with(|last| last.borrow().code).unwrap_or(sturz_code::Ok)
+    LAST.try_with(|last| last.borrow().code).unwrap_or(sturz_code::SturzOk)
 }
 
 /// Why the last call of this thread that failed did so, as a sentence in UTF-8: what is wrong and what would be right. Empty
@@ -110,18 +110,18 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_a_code() {
-        assert_eq!(guard(|| panic!("number {}", 7)), sturz_code::Panic);
+        assert_eq!(guard(|| panic!("number {}", 7)), sturz_code::SturzPanic);
         let (code, message, path) = last();
-        assert!(code == sturz_code::Panic && message.contains("number 7") && path.is_empty(), "{message}");
+        assert!(code == sturz_code::SturzPanic && message.contains("number 7") && path.is_empty(), "{message}");
     }
 
     #[test]
     fn each_thread_has_its_own_last_error_and_success_keeps_it() {
-        assert_eq!(guard(|| Err(Failure::argument("loads.ids", "is n\0ll"))), sturz_code::InvalidArgument);
-        assert_eq!(guard(|| Ok(())), sturz_code::Ok);
-        let expected = (sturz_code::InvalidArgument, "loads.ids is n\\0ll".to_owned(), "loads.ids".to_owned());
+        assert_eq!(guard(|| Err(Failure::argument("loads.ids", "is n\0ll"))), sturz_code::SturzInvalidArgument);
+        assert_eq!(guard(|| Ok(())), sturz_code::SturzOk);
+        let expected = (sturz_code::SturzInvalidArgument, "loads.ids is n\\0ll".to_owned(), "loads.ids".to_owned());
         assert_eq!(last(), expected);
         let other = std::thread::spawn(last).join().unwrap();
-        assert_eq!(other, (sturz_code::Ok, String::new(), String::new()));
+        assert_eq!(other, (sturz_code::SturzOk, String::new(), String::new()));
     }
 }

@@ -125,7 +125,7 @@ impl Run {
     ) -> Result<(), Failure> {
         if !self.is_ongoing() {
             let message = format!("the end, {} s, is reached", self.coupling.end_time_s);
-            return Err(Failure::new(sturz_code::InvalidArgument, message));
+            return Err(Failure::new(sturz_code::SturzInvalidArgument, message));
         }
         // SAFETY: the caller's word. Before the particles go back: a bad argument changes nothing.
         if let Some(exchange) = unsafe { optional("exchange", exchange) }? {
@@ -155,7 +155,7 @@ impl Run {
         let message = format!(
             "the window from {start_s} s has not converged in {iterations} iterations: relative change {change:.3e}, wanted {wanted:.3e}; the particles are at its start: shorten the window, or relax the fields"
         );
-        Err(Failure::new(sturz_code::NotConverged, message))
+        Err(Failure::new(sturz_code::SturzNotConverged, message))
     }
 
     fn finalize(&mut self) -> Result<(), Failure> {
@@ -274,7 +274,7 @@ pub unsafe extern "C" fn sturz_participant_initialize(
 
 /// Goes to the end of the window with the particles in these fields, and fills `exchange` (may be null) there.
 /// `fields->ramp_s` says whether they hold from the start (0) or are those of the end (the window). After
-/// `STURZ_CODE_NOT_CONVERGED` the particles are at the start of the window.
+/// `STURZ_NOT_CONVERGED` the particles are at the start of the window.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sturz_participant_advance(
     participant: *const sturz_participant,
@@ -347,7 +347,7 @@ pub unsafe extern "C" fn sturz_participant_time_s(participant: *const sturz_part
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sturz_participant_finalize(participant: *mut sturz_participant) -> sturz_code {
     if participant.is_null() {
-        return sturz_code::Ok;
+        return sturz_code::SturzOk;
     }
     guard(|| {
         // SAFETY: from `initialize`, and finalized once, by the caller's word.

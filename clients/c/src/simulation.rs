@@ -157,7 +157,7 @@ unsafe fn connect(
     Ok(())
 }
 
-/// Connects anew after `STURZ_CODE_GONE`, as the same client, within `timeout_s` seconds. The lease must be acquired again.
+/// Connects anew after `STURZ_GONE`, as the same client, within `timeout_s` seconds. The lease must be acquired again.
 /// The daemon may be another one: compare `sturz_get_info` with what was known. Until it succeeds the handle stays as it is.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sturz_reconnect(simulation: *mut sturz_simulation, timeout_s: f64) -> sturz_code {

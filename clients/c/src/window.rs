@@ -76,7 +76,7 @@ impl sturz_advanced {
         }
         let message =
             format!("ended early, at {} s after {} steps: {:?}", self.time_s, self.steps_done, self.stop_reason);
-        Err(Failure::new(sturz_code::EndedEarly, message))
+        Err(Failure::new(sturz_code::SturzEndedEarly, message))
     }
 }
 
@@ -115,8 +115,9 @@ pub(crate) unsafe fn march(
     if let Some(done) = done {
         *done = became;
     }
-    let missing =
-        |what: &str| Failure::new(sturz_code::NotSent, format!("the window is done, and the daemon sent no {what}"));
+    let missing = |what: &str| {
+        Failure::new(sturz_code::SturzNotSent, format!("the window is done, and the daemon sent no {what}"))
+    };
     // SAFETY: the caller's word on the arrays. Both are filled, whatever becomes of the other.
     let filled = unsafe {
         let exchange = exchange.map_or(Ok(()), |out| match &advanced.exchange {
@@ -135,8 +136,8 @@ pub(crate) unsafe fn march(
 /// Advances by exactly one window of `window_s` seconds of simulated time: as many equal steps as it takes, none longer than
 /// the nominal one. Fluid and loads of before go on. Fills `exchange`, `state` and `done` at its end; each may be null.
 ///
-/// The simulation must be paused, and where this client knows it to be (`STURZ_CODE_REFUSED_WRONG_TIME` otherwise). After
-/// `STURZ_CODE_TOO_SMALL` the window is done, and `sturz_get_state` can be asked again; after `STURZ_CODE_ENDED_EARLY` what was
+/// The simulation must be paused, and where this client knows it to be (`STURZ_REFUSED_WRONG_TIME` otherwise). After
+/// `STURZ_TOO_SMALL` the window is done, and `sturz_get_state` can be asked again; after `STURZ_ENDED_EARLY` what was
 /// asked for is that of the time in `done`; after another code the particles are where they were, as far as it can be known.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sturz_advance(
