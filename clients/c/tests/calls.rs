@@ -92,40 +92,36 @@ fn nulls_are_refused_by_name_everywhere() {
     let name = c"x".as_ptr();
     // SAFETY: null is what they must notice.
     unsafe {
-        let calls: [(sturz_code, &str); 27] = [
-            (sturz_connect(null(), null(), 1.0, place), "name"),
-            (sturz_connect(name, null(), 1.0, null_mut()), "simulation"),
-            (sturz_connect(name, null(), f64::NAN, place), "timeout_s"),
-            (sturz_connect_tls(name, null(), null(), 1.0, place), "folder"),
-            (sturz_reconnect(null_mut(), 1.0), "simulation"),
-            (sturz_get_info(none, null_mut()), "simulation"),
-            (sturz_acquire_lease(none), "simulation"),
-            (sturz_release_lease(none), "simulation"),
-            (sturz_set_gravity(none, [0.0; 3].as_ptr()), "simulation"),
-            (sturz_pause(none), "simulation"),
-            (sturz_resume(none), "simulation"),
-            (sturz_stop(none), "simulation"),
-            (sturz_checkpoint(none, name, 0), "simulation"),
-            (sturz_restore(none, name), "simulation"),
-            (sturz_drop_checkpoint(none, name), "simulation"),
-            (sturz_get_state(none, null_mut()), "simulation"),
-            (sturz_get_exchange(none, null_mut()), "simulation"),
-            (sturz_set_loads(none, null()), "simulation"),
-            (sturz_set_fluid(none, null(), null()), "fluid"),
-            (sturz_remove_fluid(none), "simulation"),
-            (sturz_advance(none, 1.0, null_mut(), null_mut(), null_mut()), "simulation"),
-            (sturz_advance_with_fluid(none, 1.0, null(), null_mut(), null_mut(), null_mut()), "fields"),
-            (sturz_advance_with_loads(none, 1.0, null(), null_mut(), null_mut()), "loads"),
-            (sturz_step(none, 1, null_mut()), "simulation"),
-            (sturz_participant_initialize(none, null(), null_mut(), null_mut()), "participant"),
-            (sturz_participant_advance(null(), null(), null_mut()), "fields"),
-            (sturz_participant_advance(null(), &zeros(), null_mut()), "participant"),
-        ];
-        for (i, (code, _)) in calls.iter().enumerate() {
-            assert_eq!(*code, SturzInvalidArgument, "call {i}");
-        }
-        assert_eq!(last(), ("participant".into(), "participant is null".into()));
-        // each again, for its text
+        let refused = |code: sturz_code, path: &str| {
+            assert_eq!((code, last().0), (SturzInvalidArgument, path.to_owned()), "{}", last().1);
+        };
+        refused(sturz_connect(null(), null(), 1.0, place), "name");
+        refused(sturz_connect(name, null(), 1.0, null_mut()), "simulation");
+        refused(sturz_connect(name, null(), f64::NAN, place), "timeout_s");
+        refused(sturz_connect_tls(name, null(), null(), 1.0, place), "folder");
+        refused(sturz_reconnect(null_mut(), 1.0), "simulation");
+        refused(sturz_get_info(none, null_mut()), "simulation");
+        refused(sturz_acquire_lease(none), "simulation");
+        refused(sturz_release_lease(none), "simulation");
+        refused(sturz_set_gravity(none, [0.0; 3].as_ptr()), "simulation");
+        refused(sturz_pause(none), "simulation");
+        refused(sturz_resume(none), "simulation");
+        refused(sturz_stop(none), "simulation");
+        refused(sturz_checkpoint(none, name, 0), "simulation");
+        refused(sturz_restore(none, name), "simulation");
+        refused(sturz_drop_checkpoint(none, name), "simulation");
+        refused(sturz_get_state(none, null_mut()), "simulation");
+        refused(sturz_get_exchange(none, null_mut()), "simulation");
+        refused(sturz_set_loads(none, null()), "simulation");
+        refused(sturz_set_fluid(none, null(), null()), "fluid");
+        refused(sturz_remove_fluid(none), "simulation");
+        refused(sturz_advance(none, 1.0, null_mut(), null_mut(), null_mut()), "simulation");
+        refused(sturz_advance_with_fluid(none, 1.0, null(), null_mut(), null_mut(), null_mut()), "fields");
+        refused(sturz_advance_with_loads(none, 1.0, null(), null_mut(), null_mut()), "loads");
+        refused(sturz_step(none, 1, null_mut()), "simulation");
+        refused(sturz_participant_initialize(none, null(), null_mut(), null_mut()), "participant");
+        refused(sturz_participant_advance(null(), null(), null_mut()), "fields");
+        refused(sturz_participant_advance(null(), &zeros(), null_mut()), "participant");
         sturz_set_fluid(none, null(), null());
         assert_eq!(last().1, "fluid is null");
         sturz_connect(name, null(), f64::NAN, place);
