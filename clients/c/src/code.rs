@@ -4,7 +4,6 @@ use sturz_client::ClientError;
 use sturz_client::v1::ErrorCode;
 
 /// What became of a call: 0 when it did what it says. `sturz_last_error_message` tells more of the others.
-///
 /// cbindgen:rename-all=ScreamingSnakeCase
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

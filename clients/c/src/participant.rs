@@ -58,7 +58,7 @@ impl Run {
         if !(window_s > 0.0 && window_s.is_finite()) {
             return bad("window_s", format!("is {window_s}; must be finite and above 0"));
         }
-        if !(end_time_s >= 0.0) {
+        if end_time_s.is_nan() || end_time_s < 0.0 {
             return bad("end_time_s", format!("is {end_time_s}; must be at least 0"));
         }
         if !(tolerance >= 0.0 && tolerance.is_finite()) {

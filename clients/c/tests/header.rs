@@ -33,6 +33,7 @@ fn made() -> String {
 #[test]
 fn the_header_is_that_of_the_sources() {
     let made = made();
+    // Alone, as the others read it: `STURZ_WRITE_HEADER=1 cargo test -p sturz-c --test header of_the_sources`.
     if env::var_os("STURZ_WRITE_HEADER").is_some() {
         fs::write(header(), &made).unwrap();
     }
