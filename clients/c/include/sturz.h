@@ -854,7 +854,7 @@ enum sturz_code sturz_stop(const struct sturz_simulation *simulation);
 
 /**
  * Saves the whole state under a name, in the daemon's memory or, where `on_disk` is not 0, as a file that outlives it (the
- * daemon must have a folder for them: `--checkpoint-dir`). One of that name is replaced.
+ * daemon must have a folder for them: `--checkpoints`). One of that name is replaced.
  */
 enum sturz_code sturz_checkpoint(const struct sturz_simulation *simulation,
                                  const char *token,
@@ -910,8 +910,9 @@ enum sturz_code sturz_set_loads(const struct sturz_simulation *simulation, const
  * the nominal one. Fluid and loads of before go on. Fills `exchange`, `state` and `done` at its end; each may be null.
  *
  * The simulation must be paused, and where this client knows it to be (`STURZ_REFUSED_WRONG_TIME` otherwise). After
- * `STURZ_TOO_SMALL` the window is done, and `sturz_get_state` can be asked again; after `STURZ_ENDED_EARLY` what was
- * asked for is that of the time in `done`; after another code the particles are where they were, as far as it can be known.
+ * `STURZ_TOO_SMALL` and `STURZ_NOT_SENT` the window is done, and `sturz_get_state` and `sturz_get_exchange` can be asked;
+ * after `STURZ_ENDED_EARLY` what was asked for is that of the time in `done`. A refused window leaves the particles where they
+ * were; after a lost connection `sturz_get_info` tells where they are.
  */
 enum sturz_code sturz_advance(const struct sturz_simulation *simulation,
                               double window_s,

@@ -246,7 +246,7 @@ pub unsafe extern "C" fn sturz_stop(simulation: *const sturz_simulation) -> stur
 }
 
 /// Saves the whole state under a name, in the daemon's memory or, where `on_disk` is not 0, as a file that outlives it (the
-/// daemon must have a folder for them: `--checkpoint-dir`). One of that name is replaced.
+/// daemon must have a folder for them: `--checkpoints`). One of that name is replaced.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sturz_checkpoint(
     simulation: *const sturz_simulation,

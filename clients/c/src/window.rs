@@ -137,8 +137,9 @@ pub(crate) unsafe fn march(
 /// the nominal one. Fluid and loads of before go on. Fills `exchange`, `state` and `done` at its end; each may be null.
 ///
 /// The simulation must be paused, and where this client knows it to be (`STURZ_REFUSED_WRONG_TIME` otherwise). After
-/// `STURZ_TOO_SMALL` the window is done, and `sturz_get_state` can be asked again; after `STURZ_ENDED_EARLY` what was
-/// asked for is that of the time in `done`; after another code the particles are where they were, as far as it can be known.
+/// `STURZ_TOO_SMALL` and `STURZ_NOT_SENT` the window is done, and `sturz_get_state` and `sturz_get_exchange` can be asked;
+/// after `STURZ_ENDED_EARLY` what was asked for is that of the time in `done`. A refused window leaves the particles where they
+/// were; after a lost connection `sturz_get_info` tells where they are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sturz_advance(
     simulation: *const sturz_simulation,
