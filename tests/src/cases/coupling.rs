@@ -241,7 +241,7 @@ const SIDE_M: f64 = 1e-2;
 
 /// A ball in a pool of five times its mass that it sets in motion, marched in windows.
 fn pool(checks: &mut Checks, windows: u32, iterated: bool) -> anyhow::Result<[f64; 2]> {
-    let mut engine = body("kind = \"sphere\", radius_m = 7e-4", 2500.0, GRAVITY, 5e-5, "")?;
+    let mut engine = body("kind = \"sphere\", radius_m = 7e-4", 2500.0, GRAVITY, 1e-5, "")?;
     let mesh = FluidDescription {
         mesh: Some(one_cell(SIDE_M)),
         smoothing_length_m: Some(2e-3),
@@ -297,12 +297,10 @@ fn pool_reference() -> [f64; 2] {
 
 fn orders_in_the_window(checks: &mut Checks) -> anyhow::Result<()> {
     let wanted = pool_reference();
-    // iterated windows soon err by less than the step does
-    let (many, few) = ([16, 32, 64, 128], [2, 4, 8, 16]);
-    for (name, iterated, order, counts) in [("explicit", false, 1.0, many), ("iterated", true, 2.0, few)] {
+    for (name, iterated, order) in [("explicit", false, 1.0), ("iterated", true, 2.0)] {
         let mut points = Vec::new();
         checks.loop_time_s();
-        for windows in counts {
+        for windows in [8, 16, 32, 64] {
             let found = pool(checks, windows, iterated)?;
             let error = (found[0] - wanted[0]).abs() / wanted[0].abs();
             points.push((0.256 / f64::from(windows), checks.loop_time_s(), error));
@@ -311,6 +309,8 @@ fn orders_in_the_window(checks: &mut Checks) -> anyhow::Result<()> {
         checks.near(format!("ball in a pool, {name}: order in the window"), found, order, 0.15, "-");
         let label = format!("ball in a pool, {name}: error of its speed at windows of {:.0} ms", 1e3 * points[3].0);
         checks.shows(label, points[3].2, "-");
+        let label = format!("ball in a pool, {name}: error of its speed at windows of {:.0} ms", 1e3 * points[0].0);
+        checks.shows(label, points[0].2, "-");
         checks.work_precision("error of the speed", "window, s", name, &points);
     }
     Ok(())

@@ -47,13 +47,14 @@ def grains() -> dict[str, Grain]:
     }
 
 
-def scene(name: str, grain: Grain, *, width_m: float, stiffness: float = 40.0) -> str:
-    """A floor in a cell that is periodic across; grains come by command."""
+def scene(name: str, grain: Grain, *, width_m: float, stiffness: float = 20.0) -> str:
+    """A floor in a cell that is periodic across; grains come by command. A collision takes 25 steps."""
+    step_s = math.pi * math.sqrt(0.5 * GLASS * VOLUME_M3 / stiffness) / 25
     return f"""
 [scene]
 name = "{name}"
 gravity_m_per_s2 = [0.0, 0.0, -{GRAVITY}]
-time_step = "auto"
+time_step_s = {step_s!r}
 seed = 1
 [domain]
 min_m = [0.0, 0.0, 0.0]

@@ -14,7 +14,7 @@ import beds
 import numpy as np
 from common import Rows, figure, launched, options
 
-from sturz.coupling import ColumnSolver, CoupledRun, Fluid, Implicit
+from sturz.coupling import ColumnSolver, CoupledRun, Fluid
 
 SPEEDS_M_PER_S = (2e-3, 4e-3, 6e-3, 8e-3, 10e-3, 14e-3, 20e-3, 30e-3)
 SHORT_SPEEDS_M_PER_S = (4e-3, 20e-3)
@@ -59,11 +59,11 @@ def fluidise(run, opts, count: int, width: float) -> list[tuple[float, float, fl
         buoyancy=True,
     )
     found = []
-    with CoupledRun(run.simulation, solver, fluid=water, scheme=Implicit(tolerance=1e-3)) as pair:
+    with CoupledRun(run.simulation, solver, fluid=water) as pair:
         for speed in speeds:
             now["speed"] = speed
             drops, voids = [], []
-            waiting, looking = opts.pick(20, 300, 600), opts.pick(10, 150, 300)
+            waiting, looking = opts.pick(20, 200, 600), opts.pick(10, 100, 300)
             for window in range(waiting + looking):
                 pair.advance(2e-3)
                 if window >= waiting:
