@@ -46,6 +46,9 @@ pub const SCRIPTS: &[Script] = &[
     ),
     nightly("chute", "C5s: spherocylinders down a chute", &["--only", "1.01-24", "2.0-28"]),
     nightly("silo", "I12, I13: Janssen and Beverloo", &[]),
+    nightly("fixed_bed", "CFD2: water through beds of spheres, cubes and crosses", &[]),
+    nightly("fluidised_bed", "CFD3: a bed of spheres in water, fluidised", &["--only", "sphere"]),
+    release("fluidised_bed", "CFD3: spheres and cubes", &[]),
     release(
         "packing",
         "K1s: cloud, deposited bed, the law of the paper",

@@ -174,7 +174,8 @@ class CoupledRun:
 
     Args:
         simulation: connected and paused, or anything that is a `ParticleSide`.
-        solver: of the fluid; its mesh becomes that of the exchange.
+        solver: of the fluid; its mesh becomes that of the exchange. Where it has a method `start(exchange)` that returns
+            the fluid around the particles that are there, the run begins with that.
         fluid: density, viscosity, smoothing length and laws.
         scheme: `Explicit()` or `Implicit(...)`.
         solver_substeps: equal parts of a window that the solver does it in, with the same sources.
@@ -213,11 +214,19 @@ class CoupledRun:
                 raise ValueError("fluid is missing: density, viscosity, smoothing length and laws")
             self._simulation.acquire_lease()
             try:
-                self._simulation.set_fluid(dataclasses.replace(fluid, mesh=solver.mesh), fields=self.fields)
+                self._begin(self._simulation, dataclasses.replace(fluid, mesh=solver.mesh))
             except BaseException:
                 self._simulation.release_lease()
                 raise
         self.exchange = self._particles.exchange()
+
+    def _begin(self, simulation: Simulation, fluid: Fluid) -> None:
+        """The fluid around the particles that are there, where the solver can begin with it."""
+        simulation.set_fluid(fluid, fields=self.fields)
+        start = getattr(self.solver, "start", None)
+        if start is not None:
+            self.fields = start(self._particles.exchange())
+            simulation.set_fluid(fluid, fields=self.fields)
 
     @property
     def time_s(self) -> float:
