@@ -52,15 +52,14 @@ def flow(run, law: str, speed: float, grain, width: float, height: float) -> tup
         smoothing_length_m=3 * beds.DIAMETER_M,
         drag="haider_levenspiel",
         voidage=law,  # type: ignore[arg-type]
-        added_mass_coefficient=0.5,
         buoyancy=True,
     )
     with CoupledRun(run.simulation, solver, fluid=water) as pair:
-        for _ in range(40):
-            pair.advance(1e-3)
+        for _ in range(80):
+            pair.advance(5e-4)
         gradients = []
         for _ in range(40):
-            pair.advance(1e-3)
+            pair.advance(5e-4)
             void, gradient = beds.inside(solver, pair.exchange, 0.3, 0.7)
             gradients.append(gradient)
     run.info = run.simulation.info()

@@ -18,6 +18,9 @@ from sturz.coupling import ColumnSolver, CoupledRun, Fluid
 
 SPEEDS_M_PER_S = (2e-3, 4e-3, 6e-3, 8e-3, 10e-3, 14e-3, 20e-3, 30e-3)
 SHORT_SPEEDS_M_PER_S = (4e-3, 20e-3)
+# explicit: the pressure of the water that a packed bed pushes aside is 0.6 of what the grains' own inertia is, and what
+# drag adds to that grows with the window
+WINDOW_S = 5e-4
 
 
 def main() -> None:
@@ -55,7 +58,6 @@ def fluidise(run, opts, count: int, width: float) -> list[tuple[float, float, fl
         smoothing_length_m=3 * beds.DIAMETER_M,
         drag="haider_levenspiel",
         voidage="gidaspow",
-        added_mass_coefficient=0.5,
         buoyancy=True,
     )
     found = []
@@ -63,9 +65,9 @@ def fluidise(run, opts, count: int, width: float) -> list[tuple[float, float, fl
         for speed in speeds:
             now["speed"] = speed
             drops, voids = [], []
-            waiting, looking = opts.pick(20, 200, 600), opts.pick(10, 100, 300)
+            waiting, looking = opts.pick(40, 800, 2400), opts.pick(20, 400, 1200)
             for window in range(waiting + looking):
-                pair.advance(2e-3)
+                pair.advance(WINDOW_S)
                 if window >= waiting:
                     drops.append(solver.pressure_drop_pa(0.0, height))
                     voids.append(beds.inside(solver, pair.exchange, 0.3, 0.7)[0])

@@ -174,8 +174,8 @@ class CoupledRun:
 
     Args:
         simulation: connected and paused, or anything that is a `ParticleSide`.
-        solver: of the fluid; its mesh becomes that of the exchange. Where it has a method `start(exchange)` that returns
-            the fluid around the particles that are there, the run begins with that.
+        solver: of the fluid; its mesh becomes that of the exchange. Where it has a method `start(exchange)` that
+            returns the fluid around the particles that are there, the run begins with that.
         fluid: density, viscosity, smoothing length and laws.
         scheme: `Explicit()` or `Implicit(...)`.
         solver_substeps: equal parts of a window that the solver does it in, with the same sources.
