@@ -176,7 +176,9 @@ impl ExternalRows {
         } else {
             self.load.resize(n, NONE);
         }
-        (self.slot.clear(), self.row.clear(), self.outcome.clear());
+        self.slot.clear();
+        self.row.clear();
+        self.outcome.clear();
         if let Some(fluid) = fluid {
             self.slot.extend(particles.ids.iter().map(|&id| fluid.slot(id) as u32));
             self.row.resize(n, 0);

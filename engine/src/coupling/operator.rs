@@ -10,6 +10,9 @@ const CHUNK: usize = 256;
 /// Partial sums over a mesh at most, and the cells and particles below which one is enough.
 const MOST_PARTS: usize = 8;
 
+/// Cells and weights.
+type Pairs = Vec<(u32, f64)>;
+
 /// Where a particle was when the operator was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pose {
@@ -31,7 +34,7 @@ pub(super) struct Operator {
 impl Operator {
     /// Of particles whose shapes are filled by points (body frame, unit scale).
     pub fn new(mesh: &Mesh, sub_points: &[Vec<Vec3>], poses: &[Pose]) -> Self {
-        let rows: Vec<(Vec<usize>, Vec<(u32, f64)>)> = poses
+        let rows: Vec<(Vec<usize>, Pairs)> = poses
             .par_chunks(CHUNK)
             .map(|poses| {
                 let (mut scratch, mut parts) = (SpreadScratch::default(), Vec::new());

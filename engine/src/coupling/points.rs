@@ -95,7 +95,7 @@ impl PointBins {
             out.push((point, weight));
         });
         // so near to the edge of the kernel that the weights underflow
-        if !(sum > 0.0) {
+        if sum <= 0.0 {
             out.truncate(first);
         }
         out[first..].iter_mut().for_each(|(_, weight)| *weight *= wanted / sum);

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sturz import Box, Simulation
 from sturz.coupling import ColumnSolver, Exchange, Fluid, StructuredMesh
 
@@ -48,8 +51,8 @@ def grains() -> dict[str, Grain]:
 
 
 def scene(name: str, grain: Grain, *, width_m: float, stiffness: float = 20.0) -> str:
-    """A floor in a cell that is periodic across; grains come by command. A collision takes 25 steps."""
-    step_s = math.pi * math.sqrt(0.5 * GLASS * VOLUME_M3 / stiffness) / 25
+    """A floor in a cell that is periodic across; grains come by command. A collision takes 35 steps."""
+    step_s = math.pi * math.sqrt(0.5 * GLASS * VOLUME_M3 / stiffness) / 35
     return f"""
 [scene]
 name = "{name}"
@@ -107,14 +110,16 @@ def wen_yu() -> float:
     return (math.sqrt(33.7**2 + 0.0408 * archimedes) - 33.7) * VISCOSITY / (WATER * DIAMETER_M)
 
 
-def inside(solver: ColumnSolver, exchange: Exchange, low: float, high: float) -> tuple[float, float]:
-    """Mean void fraction and pressure gradient (Pa/m) of the part of a bed between two parts of its height."""
+def inside(
+    solver: ColumnSolver, exchange: Exchange, low: float, high: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Void fractions and pressure gradients (Pa/m) of the cells of a bed between two parts of its height."""
     z = solver.mesh.centres()[:, 2]
     top = bed_height(solver, exchange)
     cells = (z > low * top) & (z < high * top)
-    void = float(exchange.void_fraction[cells].mean())
-    gradient = float(-solver.fields().pressure_gradient_pa_per_m[cells, 2].mean())
-    return void, gradient
+    gradient = solver.fields().pressure_gradient_pa_per_m
+    assert gradient is not None
+    return exchange.void_fraction[cells], -gradient[cells, 2]
 
 
 def bed_height(solver: ColumnSolver, exchange: Exchange) -> float:

@@ -70,7 +70,7 @@ def fluidise(run, opts, count: int, width: float) -> list[tuple[float, float, fl
                 pair.advance(WINDOW_S)
                 if window >= waiting:
                     drops.append(solver.pressure_drop_pa(0.0, height))
-                    voids.append(beds.inside(solver, pair.exchange, 0.3, 0.7)[0])
+                    voids.append(float(beds.inside(solver, pair.exchange, 0.3, 0.7)[0].mean()))
             found.append((speed, float(np.mean(drops)), float(np.mean(voids))))
             print(f"{1e3 * speed:5.1f} mm/s: {found[-1][1]:8.2f} Pa, void fraction {found[-1][2]:.3f}", flush=True)
     run.info = run.simulation.info()
