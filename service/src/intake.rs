@@ -267,6 +267,8 @@ impl Io {
         });
         // What came by `put` has no other answer; a repeated one was told before.
         let told = (raw.query.is_none() || !answer.outcome.repeated).then(|| answer.outcome.clone());
+        // Before the reply, where there is room: who has it may ask for more, whose outcome must not be told first.
+        let late = told.and_then(|outcome| self.events.try_send(command_event(&self.identity, outcome)).err());
         let io = Arc::clone(&self);
         let send = move || {
             if raw.query.is_some() {
@@ -275,8 +277,8 @@ impl Io {
         };
         drop(tokio::task::spawn_blocking(send).await);
         // The permit is held meanwhile: who listens to events and does not read them cannot make outcomes pile up.
-        if let Some(outcome) = told
-            && self.events.send(command_event(&self.identity, outcome)).await.is_err()
+        if let Some(event) = late.map(mpsc::error::TrySendError::into_inner)
+            && self.events.send(event).await.is_err()
         {
             tracing::debug!("an outcome came after the end of the bus");
         }
