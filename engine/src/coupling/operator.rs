@@ -7,7 +7,7 @@ use crate::math::{Quat, Vec3};
 
 /// Particles per task, and per partial sum over a mesh: never a function of the thread count.
 const CHUNK: usize = 256;
-/// Partial sums over a mesh at most, and the cells and particles below which one is enough.
+/// Partial sums over a mesh at most.
 const MOST_PARTS: usize = 8;
 
 /// Cells and weights.
@@ -77,7 +77,8 @@ impl Operator {
         self.cells[of.clone()].iter().map(|&cell| cell as usize).zip(self.weights[of].iter().copied())
     }
 
-    /// Adds w(c, p) times `value(p)` to each cell c. The order of the sums depends on the number of particles alone.
+    /// Adds w(c, p) times `value(p)` to each cell c. The order of the sums depends on the particles and the mesh,
+    /// never on the threads.
     pub fn scatter<const N: usize>(&self, value: impl Fn(usize) -> [f64; N] + Sync, sums: &mut [[f64; N]]) {
         let n = self.len();
         // a copy of the mesh per part must not cost more than it saves

@@ -100,13 +100,15 @@ def main() -> None:
         with CoupledRun(simulation, fluid, fluid=water, scheme=scheme) as run:
             for speed in options.speeds:
                 fluid.set_inlet("z_low", (0.0, 0.0, 1e-3 * speed))
-                rows.append(look(run, fluid, speed, options))
+                rows.append(look(run, simulation, fluid, speed, options))
         info = simulation.info()
         picture(simulation.state(), simulation.shapes(), info.boundaries, options.out / "beads", domain=info.domain)
     (options.out / "rows.json").write_text(json.dumps(rows, indent=1) + "\n")
 
 
-def look(run: CoupledRun, fluid: KratosProcess, speed: float, options: argparse.Namespace) -> dict[str, float]:
+def look(
+    run: CoupledRun, simulation: sturz.Simulation, fluid: KratosProcess, speed: float, options: argparse.Namespace
+) -> dict[str, float]:
     """Pressure drop over the buoyant weight, height of the centre of mass, after the bed has followed the water."""
     drops, iterations = [], 0
     for window in range(options.windows):
@@ -115,7 +117,7 @@ def look(run: CoupledRun, fluid: KratosProcess, speed: float, options: argparse.
             floor = fluid.mesh.points_m[:, 2] == 0.0
             drops.append(float(np.mean(fluid.pressure_pa[floor])))
     weight = VOLUME_M3 * (GLASS - WATER) * GRAVITY / WIDTH_M**2
-    z = run._simulation.state(["positions"]).columns["positions"][:, 2]  # type: ignore[union-attr]
+    z = simulation.state(["positions"]).columns["positions"][:, 2]
     row = {
         "superficial_mm_per_s": speed,
         "pressure_drop_over_weight": float(np.mean(drops)) / weight,

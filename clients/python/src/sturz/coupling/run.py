@@ -203,7 +203,6 @@ class CoupledRun:
         self._substeps = solver_substeps
         self._simulation = simulation if isinstance(simulation, Simulation) else None
         self._particles = DaemonParticles(simulation) if isinstance(simulation, Simulation) else simulation
-        self._fluid = fluid
         self._before: tuple[FluidFields, float] | None = None
         self._apart = False
         self._wall: dict[str, float] = {}
