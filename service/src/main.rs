@@ -1,6 +1,6 @@
 //! `sturz`: reads the command line, runs one command, and tells by the exit code how it went.
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 use sturz_service::cli::{self, Command};
@@ -30,7 +30,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if !matches!(failure, Failure::Reported(_)) {
-                eprintln!("sturz: {failure}");
+                // Where nobody can be told, the exit code still tells.
+                drop(writeln!(std::io::stderr(), "sturz: {failure}"));
             }
             ExitCode::from(failure.exit_code())
         }
@@ -42,5 +43,6 @@ fn start_log(filter: &str) {
     let filter = tracing_subscriber::EnvFilter::try_new(filter).unwrap_or_else(|_| "warn".into());
     let colours = std::io::stderr().is_terminal();
     let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
-    log.with_target(false).with_ansi(colours).init();
+    // A log that cannot be written must not end the thread that speaks: by default its failure is printed there, too.
+    log.with_target(false).with_ansi(colours).log_internal_errors(false).init();
 }

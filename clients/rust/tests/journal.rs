@@ -304,7 +304,7 @@ fn a_damaged_log_is_refused() {
 }
 
 /// The limit on the size of files stands for a full disk: nothing is acknowledged that is not in the journal, the run is
-/// held, and goes on by itself when there is room.
+/// held, and goes on by itself when there is room. The daemon's own log is on a disk that is full for good.
 #[test]
 fn a_full_disk_holds_the_run_and_loses_nothing() {
     let journal = folder("full");
@@ -317,7 +317,7 @@ fn a_full_disk_holds_the_run_and_loses_nothing() {
         journal.display()
     );
     let mut shell = Command::new("bash");
-    shell.args(["-c", &serve, "sturz"]);
+    shell.args(["-c", &serve, "sturz"]).stderr(fs::File::options().write(true).open("/dev/full").unwrap());
     let mut daemon = Daemon::spawn(shell, journal.with_extension("folder"));
     let simulation = daemon.connect();
     let mut events = simulation.events().unwrap();

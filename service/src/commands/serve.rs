@@ -12,7 +12,7 @@ use crate::config::{Bus, DEFAULT_LISTEN, DEFAULT_LISTEN_TLS, Limits, ServerTls};
 use crate::daemon::{self, KeptRun, Options, Ready, Restore, ServeError};
 use crate::journal::Folder;
 use crate::scenes;
-use crate::security::folder;
+use crate::security::{exposure, folder};
 
 /// Between snapshots unless told otherwise: what a resumed run does again at most, apart from the log's commands.
 const SNAPSHOT_EVERY: Duration = Duration::from_secs(60);
@@ -121,7 +121,7 @@ fn check_exposure(bus: &Bus, metrics: Option<SocketAddr>, insecure: bool) -> any
             "--metrics: whoever reaches {exposed} can read the report, without a certificate: listen on 127.0.0.1:PORT, or allow it with --insecure"
         ));
     }
-    eprintln!("sturz: warning: --insecure: whoever reaches {exposed} can read the report");
+    exposure::warn(&format!("--insecure: whoever reaches {exposed} can read the report"));
     // Else it would be told that it is not needed.
     bus.check_exposure(false).or_else(|_| bus.check_exposure(true))
 }

@@ -26,6 +26,8 @@ const LAST_TRIES: u32 = 4;
 /// Bytes that are written at a time, unless one record is larger.
 const BATCH_BYTES: usize = 1 << 20;
 
+const FAILED: &str = "the thread that writes the journal has failed";
+
 /// Replies that may leave once what is before them is written.
 pub type Replies = Vec<(ReplyTo, Answer)>;
 
@@ -125,8 +127,9 @@ impl JournalWriter {
 
     /// Tells the thread; never waits.
     pub fn tell(&self, message: Message) {
-        if self.messages.send(message).is_err() {
-            tracing::error!("the thread that writes the journal has failed");
+        // Without it nothing is kept: the run is held, as on a full disk.
+        if self.messages.send(message).is_err() && self.disk.set_blocked(Some(FAILED.into())) {
+            tracing::error!("{FAILED}");
         }
     }
 }
@@ -139,7 +142,7 @@ impl Drop for JournalWriter {
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
         {
-            tracing::error!("the thread that writes the journal has failed");
+            tracing::error!("{FAILED}");
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What other machines can reach.
 
+use std::io::Write as _;
+
 use anyhow::anyhow;
 use serde_json::Value;
 use zenoh::Config;
@@ -49,8 +51,9 @@ impl Bus {
 }
 
 /// Said at each start, whatever the log filter.
-fn warn(text: &str) {
-    eprintln!("sturz: warning: {text}");
+pub fn warn(text: &str) {
+    // Not by `eprintln!`, which ends a daemon whose standard error is on a full disk.
+    drop(writeln!(std::io::stderr(), "sturz: warning: {text}"));
 }
 
 fn setting(config: &Config, key: &str) -> anyhow::Result<Value> {
