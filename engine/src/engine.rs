@@ -367,6 +367,7 @@ impl Engine {
         let inputs = FindInputs {
             particles: &self.particles,
             shapes: self.scene.shapes(),
+            reaches: &self.scene.plan().reaches,
             boundaries: &self.boundaries,
             rounded: self.scene.rounded().filter(|_| !self.relaxing),
             sharing: self.scene.description().contact.sharing,

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{engine, header, plane, shape, steps};
+use common::{engine, hashes_of, header, plane, shape, steps};
 use sturz_engine::Engine;
 use sturz_engine::scene::{Scene, SceneDescription};
 
@@ -64,17 +64,7 @@ motion = { kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0],
 
 fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {
     let mut engine = engine(&drum());
-    engine.set_threads(threads);
-    let mut hashes = Vec::new();
-    for stretch in 0..4 {
-        for k in 0..2000 {
-            if drop_caches_every > 0 && (stretch * 2000 + k) % drop_caches_every == 0 {
-                engine.drop_caches();
-            }
-            steps(&mut engine, 1);
-        }
-        hashes.push(engine.state_hash());
-    }
+    let hashes = hashes_of(&mut engine, (4, 2000), threads, drop_caches_every);
     let report = engine.report();
     assert!(report.contact_points > 40 && report.neighbour_rebuilds > 10, "{report:?}");
     assert!(report.contact_points_by_kind.iter().all(|&n| n > 0), "{report:?}");

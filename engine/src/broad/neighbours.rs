@@ -12,7 +12,7 @@ use crate::math::{Quat, Vec3};
 use crate::parallel::least;
 use crate::particles::Particles;
 use crate::scene::PointLaws;
-use crate::shape::{PartGeometry, Shape};
+use crate::shape::{Part, PartGeometry, Shape};
 
 /// How far a shape's parts reach, for unit scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct ShapeReach {
     pub lever: f64,
     /// A single sphere about the centre of mass.
     pub is_sphere: bool,
+    /// A single spherocylinder or sphere about the centre of mass: half its axis, body axes, and its radius.
+    pub rod: Option<(Vec3, f64)>,
 }
 
 impl ShapeReach {
@@ -30,7 +32,17 @@ impl ShapeReach {
             shape.parts(),
             [part] if matches!(part.geometry, PartGeometry::Sphere { .. }) && part.center == Vec3::zeros()
         );
-        Self { lever: if is_sphere { 0.0 } else { shape.bounding_radius() }, is_sphere }
+        let rod = match shape.parts() {
+            [Part { geometry: PartGeometry::Sphere { radius, .. }, .. }] if is_sphere => Some((Vec3::zeros(), *radius)),
+            // the ends of any other would have to be asked one by one
+            [Part { geometry: PartGeometry::Spherocylinder { ends: [e, f], radius }, .. }]
+                if (e + f).norm() < 1e-14 * radius =>
+            {
+                Some(((f - e) * 0.5, *radius))
+            }
+            _ => None,
+        };
+        Self { lever: if is_sphere { 0.0 } else { shape.bounding_radius() }, is_sphere, rod }
     }
 }
 

@@ -22,6 +22,7 @@ const ROWS: usize = 256;
 pub struct Found {
     /// Rows of two spheres, that of the lower id first.
     pub spheres: Vec<[u32; 2]>,
+    rods: Vec<Slot>,
     parts: Vec<Slot>,
     rounded_parts: Vec<Slot>,
     features: Vec<Slot>,
@@ -33,8 +34,8 @@ pub struct Found {
 
 impl Found {
     /// In the order of [`SlotKind`].
-    fn by_kind(&self) -> [&Vec<Slot>; 5] {
-        [&self.parts, &self.rounded_parts, &self.features, &self.walls, &self.rounded_walls]
+    fn by_kind(&self) -> [&Vec<Slot>; 6] {
+        [&self.rods, &self.parts, &self.rounded_parts, &self.features, &self.walls, &self.rounded_walls]
     }
 
     fn len(&self) -> usize {
@@ -43,6 +44,7 @@ impl Found {
 
     fn clear(&mut self) {
         self.spheres.clear();
+        self.rods.clear();
         self.parts.clear();
         self.rounded_parts.clear();
         self.features.clear();
@@ -96,7 +98,7 @@ impl Search<'_> {
             found.iter_mut().for_each(Found::clear);
             return false;
         }
-        for kind in 0..5 {
+        for kind in 0..6 {
             found.iter().for_each(|found| slots.extend_from_slice(found.by_kind()[kind]));
         }
         true
@@ -145,13 +147,17 @@ impl Search<'_> {
             part_b: part_b as u16,
             kind,
         };
+        let rods =
+            inputs.reaches[shape_a].rod.is_some() && inputs.reaches[shape_b].rod.is_some() && inputs.bonds.is_none();
         let (a_from_b, scale) = particles.a_from_b(a, b, &particles.separation(a, b));
         for (ka, part_a) in inputs.shapes[shape_a].parts().iter().enumerate() {
             for (kb, part_b) in inputs.shapes[shape_b].parts().iter().enumerate() {
                 if apart_by(part_a, part_b, &a_from_b, self.skin / scale) {
                     continue;
                 }
-                if meet_by_features(part_a, part_b) {
+                if rods {
+                    found.rods.push(slot(ka, kb, SlotKind::Rods));
+                } else if meet_by_features(part_a, part_b) {
                     found.features.push(slot(ka, kb, SlotKind::Features));
                 } else if inputs.rounded && is_polyhedron(part_a) && is_polyhedron(part_b) {
                     found.rounded_parts.push(slot(ka, kb, SlotKind::RoundedParts));

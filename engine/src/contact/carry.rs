@@ -138,7 +138,7 @@ fn give_to_chunk(slots: &[Slot], chunk: &mut ContactChunk, found: &[u32; CHUNK],
             SlotKind::Parts => chunk.caches[k] = separating_axes.caches[at],
             SlotKind::Features => std::mem::swap(&mut chunk.features.lists[k], &mut features.caches[at]),
             SlotKind::RoundedParts => std::mem::swap(&mut chunk.overlaps.active[k], &mut overlaps.caches[at]),
-            SlotKind::Wall | SlotKind::RoundedWall => {}
+            SlotKind::Rods | SlotKind::Wall | SlotKind::RoundedWall => {}
         }
     }
 }

@@ -1,12 +1,9 @@
 //! Contacts of rounded polyhedra, one per pair of features that touch.
 
-use super::find::FindInputs;
+use super::find::{FindInputs, quiet_until};
 use super::table::{Contact, Slot};
 use crate::math::Vec3;
 use crate::narrow::features::{FeatureList, FeaturePair, FeatureScratch};
-
-/// What is taken off a distance that must not be overestimated, over it and over the way travelled.
-const ROUNDING: f64 = 1e-9;
 
 /// What the slots of rounded polyhedra need in one chunk.
 #[derive(Clone, Debug, Default)]
@@ -54,8 +51,7 @@ impl FeatureChunk {
         let list = &mut self.lists[index as usize];
         let gap = list.update(&pair, &mut self.scratch) * unit;
         if gap > 0.0 {
-            // less the rounding of two long sums
-            self.quiet_until[index as usize] = travelled + gap * (1.0 - ROUNDING) - ROUNDING * travelled;
+            self.quiet_until[index as usize] = quiet_until(travelled, gap, particles.radius[a] + particles.radius[b]);
             return;
         }
         let rotation_a = &particles.rotation[a];

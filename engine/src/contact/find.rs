@@ -6,6 +6,7 @@ use super::bonds::{self, follow_bond};
 use super::law::share_stiffness;
 use super::table::{CHUNK, Contact, ContactChunk, ContactTable, Slot, SlotKind, least_chunks};
 use crate::boundary::{Boundary, WallSide};
+use crate::broad::ShapeReach;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::PartAtMesh;
 use crate::narrow::{self, Manifold, PairCache};
@@ -20,6 +21,8 @@ pub struct FindInputs<'a> {
     pub particles: &'a Particles,
     /// By shape index.
     pub shapes: &'a [Shape],
+    /// By shape index.
+    pub reaches: &'a [ShapeReach],
     /// By boundary index.
     pub boundaries: &'a [Boundary],
     /// Weights of several points.
@@ -42,7 +45,7 @@ pub fn find_contacts(table: &mut ContactTable, inputs: &FindInputs<'_>) {
 }
 
 fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'_>) {
-    let ContactChunk { contacts, previous, caches, manifold, overlaps, features, lost_bonds, .. } = chunk;
+    let ContactChunk { contacts, previous, caches, manifold, overlaps, features, rods, lost_bonds, .. } = chunk;
     std::mem::swap(contacts, previous);
     contacts.clear();
     features.deepest = (0.0, 0);
@@ -57,6 +60,7 @@ fn find_in_chunk(slots: &[Slot], chunk: &mut ContactChunk, inputs: &FindInputs<'
         let start = contacts.len();
         match slot.kind {
             SlotKind::Parts => part_pair(index, slot, &mut caches[k], inputs, manifold, contacts),
+            SlotKind::Rods => rods.find_pair(index, slot, inputs, (manifold, contacts)),
             SlotKind::Features => features.find_pair(index, slot, inputs, contacts),
             SlotKind::Wall => part_wall(index, slot, inputs, manifold, contacts),
             SlotKind::RoundedParts | SlotKind::RoundedWall => {
@@ -107,6 +111,16 @@ fn part_pair(
     narrow::collide(part_a, part_b, &a_from_b, cache, manifold);
     share_stiffness(manifold.points_mut(), inputs.sharing);
     push_pair(index, (rotation_a, scale), manifold, contacts);
+}
+
+/// What is taken off a distance that must not be overestimated, over all that was added up for it.
+const ROUNDING: f64 = 1e-9;
+
+/// Two bodies with a gap between them cannot touch while their odometers, now at `travelled` together, add up to less than
+/// this, m.
+#[inline]
+pub(super) fn quiet_until(travelled: f64, gap: f64, reach: f64) -> f64 {
+    travelled + gap - ROUNDING * (travelled + gap + reach)
 }
 
 /// Points of two parts, in the frame and the unit of `a`, as contacts.

@@ -5,6 +5,7 @@ use super::carry::CarriedCaches;
 use super::features::FeatureChunk;
 use super::law::RollingSpring;
 use super::overlap::OverlapChunk;
+use super::rods::RodChunk;
 use super::spheres::SpherePairs;
 use crate::math::Vec3;
 use crate::narrow::{FeatureKey, Manifold, PairCache};
@@ -21,7 +22,9 @@ pub(super) fn least_chunks(slots: usize, ns_each: usize) -> usize {
 /// What a slot pairs; slots of one kind are contiguous. Two spheres have no slot: see [`SpherePairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SlotKind {
-    /// Two convex parts, not both spheres.
+    /// Two spherocylinders, or one and a sphere, each alone and about its centre.
+    Rods,
+    /// Two convex parts that are neither of the above.
     Parts,
     /// Two rounded polyhedra, by generalized overlap.
     RoundedParts,
@@ -188,6 +191,8 @@ pub struct ContactChunk {
     pub rolling: Vec<RollingSpring>,
     /// By pairs of features.
     pub features: FeatureChunk,
+    /// Of rods.
+    pub rods: RodChunk,
     /// Energy of bonds made and broken in this step, J.
     pub lost_bonds: f64,
     /// Sums of this step.
@@ -241,6 +246,7 @@ impl ContactTable {
             chunk.caches.resize(up_to(SlotKind::Parts), PairCache::default());
             chunk.overlaps.reset(up_to(SlotKind::RoundedParts));
             chunk.features.reset(up_to(SlotKind::Features));
+            chunk.rods.reset(up_to(SlotKind::Rods));
         }
     }
 
@@ -250,6 +256,7 @@ impl ContactTable {
             chunk.caches.fill(PairCache::default());
             chunk.overlaps.forget();
             chunk.features.forget();
+            chunk.rods.forget();
         }
     }
 

@@ -47,12 +47,14 @@ pub use cylinder_rounded::cylinder_rounded;
 pub use manifold::{FeatureKey, MAX_POINTS, Manifold, ManifoldPoint};
 pub use polyhedron_polyhedron::polyhedron_polyhedron;
 pub use roller::part_roller;
+pub(crate) use segments::SegmentPair;
 pub use sphere_cylinder::sphere_cylinder;
 pub use sphere_polyhedron::sphere_polyhedron;
 pub use sphere_sphere::sphere_sphere;
 pub use sphere_spherocylinder::sphere_spherocylinder;
 pub use spherocylinder_cylinder::spherocylinder_cylinder;
 pub use spherocylinder_polyhedron::spherocylinder_polyhedron;
+pub(crate) use spherocylinder_spherocylinder::round_rods;
 pub use spherocylinder_spherocylinder::spherocylinder_spherocylinder;
 pub use wall::{part_cylinder, part_plane};
 

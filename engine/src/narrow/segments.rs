@@ -8,7 +8,7 @@ const CROSSING: f64 = 1e-6;
 const PARALLEL: f64 = 1e-15;
 
 /// p + s u and q + t v, s and t in [0, 1]. Either may be a point.
-pub(super) struct SegmentPair {
+pub(crate) struct SegmentPair {
     pub p: Vec3,
     pub u: Vec3,
     pub q: Vec3,
@@ -118,6 +118,12 @@ impl SegmentPair {
         self.nn > CROSSING * self.uu * self.vv && height * height > distance * distance * self.nn * (1.0 + CROSSING)
     }
 
+    /// Distance of the whole lines, which must not be parallel.
+    #[inline]
+    pub fn distance_of_lines(&self) -> f64 {
+        self.w.dot(&self.n).abs() / self.nn.sqrt()
+    }
+
     #[inline]
     fn squared_distance(&self, (s, t): (f64, f64)) -> f64 {
         (self.w + self.u * s - self.v * t).norm_squared()
@@ -162,6 +168,7 @@ mod tests {
             let (s, t) = axes.closest();
             let distance = (axes.on_p(s) - axes.on_q(t)).norm();
             prop_assert!(part <= 1.0 || !axes.lines_are_apart(part * distance));
+            prop_assert!(!axes.lines_are_apart(0.0) || axes.distance_of_lines() <= distance + 1e-12);
         }
     }
 

@@ -17,25 +17,35 @@ const WIDEST: f64 = 0.5;
 /// At most three points.
 pub fn spherocylinder_spherocylinder(a: &Spherocylinder, b: &Spherocylinder, b_to_a: &Similarity, out: &mut Manifold) {
     let q = b.ends.map(|e| b_to_a.point(&e));
-    let radii = (a.radius, b.radius * b_to_a.scale);
-    let axes = SegmentPair::new(&a.ends, &q);
-    if axes.lines_are_apart(radii.0 + radii.1) {
-        return;
+    round_rods(&SegmentPair::new(&a.ends, &q), (a.radius, b.radius * b_to_a.scale), out);
+}
+
+/// At most three points of two rods about these axes, either of which may be a ball; returns how far they are at least
+/// apart where they do not touch, and 0 or less where they may.
+#[inline]
+pub(crate) fn round_rods(axes: &SegmentPair, radii: (f64, f64), out: &mut Manifold) -> f64 {
+    let reach = radii.0 + radii.1;
+    if axes.lines_are_apart(reach) {
+        return axes.distance_of_lines() - reach;
     }
     let (s, t) = axes.closest();
     let balls = |x: Vec3, y: Vec3| (Ball { center: x, radius: radii.0 }, Ball { center: y, radius: radii.1 });
     let (ball_a, ball_b) = balls(axes.on_p(s), axes.on_q(t));
-    let Some(mut deepest) = contact(&ball_a, &ball_b, || crossing_normal(&axes), FeatureKey::point(0), 1.0) else {
-        return;
+    let Some(mut deepest) = contact(&ball_a, &ball_b, || crossing_normal(axes), FeatureKey::point(0), 1.0) else {
+        return (ball_b.center - ball_a.center).norm() - reach;
     };
     let fade = fade(axes.squared_sine());
-    let beside = if fade > 0.0 { side_by_side(&axes) } else { None };
-    let Some((ends, length)) = beside else { return out.push(deepest) };
+    let beside = if fade > 0.0 { side_by_side(axes) } else { None };
+    let Some((ends, length)) = beside else {
+        out.push(deepest);
+        return -deepest.overlap;
+    };
     let ends = ends.map(|end| {
         let (ball_a, ball_b) = balls(end.on_a, end.on_b);
         contact(&ball_a, &ball_b, || deepest.normal, end.feature, 0.0)
     });
     push_shared(&mut deepest, ends, fade, length, out);
+    -deepest.overlap
 }
 
 /// 1 for parallel axes, fading to 0 at the widest angle.

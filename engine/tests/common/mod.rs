@@ -106,3 +106,25 @@ region = {{ kind = "cylinder", point_m = [0.0, -0.015, -0.02], axis = [0.0, 1.0,
 "#
     )
 }
+
+/// State hashes after each of `stretches`, on so many threads, with all that pairs know dropped every so many steps (0: never).
+pub fn hashes_of(
+    engine: &mut Engine,
+    (stretches, length): (u64, u64),
+    threads: usize,
+    drop_caches_every: u64,
+) -> Vec<u64> {
+    engine.set_threads(threads);
+    let mut done = 0;
+    let mut stretch = || {
+        for _ in 0..length {
+            if drop_caches_every > 0 && done % drop_caches_every == 0 {
+                engine.drop_caches();
+            }
+            steps(engine, 1);
+            done += 1;
+        }
+        engine.state_hash()
+    };
+    (0..stretches).map(|_| stretch()).collect()
+}

@@ -26,7 +26,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// Unit masses.
-fn unit_spheres() -> anyhow::Result<Scene> {
+pub(super) fn unit_spheres() -> anyhow::Result<Scene> {
     let law = "stiffness_n_per_m = 1e4\nrestitution = 0.5";
     let scene = SceneText::new([0.0; 3], "time_step_s = 1e-5")
         .materials(6.0 / PI, law)
@@ -35,7 +35,7 @@ fn unit_spheres() -> anyhow::Result<Scene> {
     Ok(scene.validate()?)
 }
 
-fn state(positions: Vec<[f64; 3]>, velocities: Vec<[f64; 3]>) -> Snapshot {
+pub(super) fn state(positions: Vec<[f64; 3]>, velocities: Vec<[f64; 3]>) -> Snapshot {
     let n = positions.len();
     Snapshot {
         ids: (0..n as u64).collect(),
@@ -51,11 +51,11 @@ fn state(positions: Vec<[f64; 3]>, velocities: Vec<[f64; 3]>) -> Snapshot {
 }
 
 /// A grid of eight cells whose first is centred at a point.
-fn at(point: [f64; 3]) -> Grid {
+pub(super) fn at(point: [f64; 3]) -> Grid {
     Grid { min_m: point.map(|x| x - 0.05), max_m: point.map(|x| x + 0.15), cells: [2; 3], cylinder: None }
 }
 
-fn numbers(frame: &FieldFrame, quantity: Q) -> anyhow::Result<&[f64]> {
+pub(super) fn numbers(frame: &FieldFrame, quantity: Q) -> anyhow::Result<&[f64]> {
     let column = frame.columns.iter().find(|column| column.quantity == quantity);
     Ok(&column.with_context(|| format!("no column {}", quantity.name()))?.data)
 }
@@ -176,12 +176,12 @@ fn shear(checks: &mut Checks) -> anyhow::Result<()> {
 }
 
 /// Numbers in [0, 1)^6.
-struct Draws {
-    index: u64,
+pub(super) struct Draws {
+    pub index: u64,
 }
 
 impl Draws {
-    fn next(&mut self) -> [f64; 6] {
+    pub fn next(&mut self) -> [f64; 6] {
         // splitmix64 of the index: reproducible, and independent from axis to axis
         self.index += 1;
         std::array::from_fn(|axis| {
@@ -194,7 +194,7 @@ impl Draws {
 }
 
 /// Box and Muller.
-fn normal(u: f64, v: f64) -> f64 {
+pub(super) fn normal(u: f64, v: f64) -> f64 {
     (-2.0 * (1.0 - u).ln()).sqrt() * (2.0 * PI * v).cos()
 }
 

@@ -6,6 +6,7 @@ mod cylinder;
 mod degenerate;
 mod energy;
 mod extremes;
+mod field_precision;
 mod fields;
 mod glued;
 mod hertz;
@@ -315,6 +316,7 @@ pub fn registry() -> Vec<Case> {
         standing::cases(),
         restart::cases(),
         fields::cases(),
+        field_precision::cases(),
         coupling::cases(),
         r518::cases(),
     ]
