@@ -42,7 +42,7 @@ fn spacing(checks: &mut Checks, scene: &Scene) -> anyhow::Result<()> {
     let state = state(vec![[0.0; 3]], vec![[0.0; 3]]);
     let sources = FieldSources::new(scene, &state, None)?;
     let mut curves = [Vec::new(), Vec::new()];
-    for ratio in [2.5, 2.0, 1.75, 1.5, 1.25, 1.0] {
+    for ratio in [2.5_f64, 2.0, 1.75, 1.5, 1.25, 1.0] {
         for (kernel, curve) in [FieldKernel::Gaussian, FieldKernel::Lucy].into_iter().zip(&mut curves) {
             let (cutoff, width) = if kernel == FieldKernel::Lucy { (1.0, 3.0) } else { (6.0, 1.0) };
             let half_cells = (6.5 / ratio).ceil() as u32 + 1;
