@@ -18,6 +18,8 @@ SCRIPTS = {
     "drum": (["sphere-200"], ["speeds.png", "distributions.png"]),
     "chute": (["1.01-24"], ["regimes.png"]),
     "incline": (["default-36"], ["energy.png", "profiles.png"]),
+    "bagnold": (["24-260"], ["bagnold.png"]),
+    "glued": (["cylinder", "slices", "spheres", "cube"], ["cylinder.png", "slices.png", "spheres.png", "cube.svg"]),
 }
 
 
