@@ -301,7 +301,7 @@ def cylinder(opts: Options, rows: Rows) -> None:
 
 def slices(opts: Options, rows: Rows) -> None:
     """G2, figures 8 and 9."""
-    numbers = opts.pick((1, 3), (1, 2, 3, 4, 5, 6, 10, 15, 20, 30), (1, 2, 3, 4, 5, 6, 10, 15, 20, 30))
+    numbers = opts.pick((1, 2, 3), (1, 2, 3, 4, 5, 6, 10, 15, 20, 30), (1, 2, 3, 4, 5, 6, 10, 15, 20, 30))
     found, kept = [], {"numbers": np.array(numbers)}
     gamma = -math.log(E) / T_C
     for model in ("a", "b"):
