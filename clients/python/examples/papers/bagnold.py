@@ -204,6 +204,14 @@ def measure(run: Run, part: str, history: np.ndarray, kept: dict[str, np.ndarray
             tolerance=0.05 if steady else np.nan,
             **judged,
         ),
+        run.row(
+            name,
+            "the same of v_max - slip",
+            float(rise / bagnold(height, mean_i, angle, height, mean_nu)),
+            reference=1.0,
+            tolerance=0.05 if steady else np.nan,
+            **judged,
+        ),
         run.row(name, "inertial number of the bulk", mean_i, uncertainty=float(np.std(inertial))),
     ]
 
