@@ -23,7 +23,6 @@ PARTS = ("24-400", "24-260", "24-520", "22-400", "26-400", "23-400", "25-400", "
 GRAIN = 6 / np.pi  # density of a mass of 1 in a diameter of 1
 GLASS = (0.38, 0.64, 0.279)  # mu_s, mu_2, I_0 of glass beads
 SHORTEST = 80.0  # sqrt(d/g): two relaxation times of a flow of 10 d, one of 15 d
-SOURCE = "Bagnold's profile"
 
 
 def scene(angle: float) -> str:
@@ -153,65 +152,31 @@ def measure(run: Run, part: str, history: np.ndarray, kept: dict[str, np.ndarray
     mean_i, mean_nu = float(np.mean(inertial)), float(solid.mean())
     name = f"I15-{part}"
     kept |= {"height": np.array(height), "inertial": inertial, "bulk": bulk, "fit": np.array([slip, rise])}
-    judged: dict[str, Any] = {"source": SOURCE}
+    balance: dict[str, Any] = {"reference": tangent, "source": "balance of momentum"}
+    balance["tolerance"] = 0.01 * tangent if steady else np.nan
+    gate: dict[str, Any] = {"tolerance": 0.05 if steady else np.nan, "source": "Bagnold's profile"}
+    uneven = float(np.abs(solid / mean_nu - 1).max())
+    away = float(np.abs(fitted - v).max() / (slip + rise))
+    expected = float(bagnold(height, mean_i, angle, height, mean_nu))
+    with_acceleration = ratio + acceleration / math.cos(math.radians(angle))
     return [
         run.row(name, f"regime: {'steady' if steady else 'not steady'}", np.nan),
         run.row(name, "change of the kinetic energy over the last third", changed),
         run.row(name, "height over d", height),
-        run.row(
-            name,
-            "shear over normal stress, contact + kinetic",
-            ratio,
-            reference=tangent,
-            tolerance=0.01 * tangent if steady else np.nan,
-            source="balance of momentum",
-        ),
-        run.row(
-            name,
-            "the same, with the acceleration while it was looked at",
-            ratio + acceleration / math.cos(math.radians(angle)),
-            reference=tangent,
-            tolerance=0.01 * tangent if steady else np.nan,
-            source="balance of momentum",
-        ),
+        run.row(name, "shear over normal stress, contact + kinetic", ratio, **balance),
+        run.row(name, "the same, with the acceleration while it was looked at", with_acceleration, **balance),
         run.row(name, "shear over normal stress, contact alone", contact_ratio, reference=tangent),
         run.row(name, "solid fraction of the bulk", mean_nu, uncertainty=float(solid.std())),
         run.row(
-            name,
-            "largest deviation of the solid fraction of a layer over the mean",
-            float(np.abs(solid / mean_nu - 1).max()),
-            reference=0.0,
-            tolerance=0.05 if steady else np.nan,
-            **judged,
+            name, "largest deviation of the solid fraction of a layer over the mean", uneven, reference=0.0, **gate
         ),
-        run.row(
-            name,
-            "largest deviation from Bagnold's profile over v_max",
-            float(np.abs(fitted - v).max() / (slip + rise)),
-            reference=0.0,
-            tolerance=0.05 if steady else np.nan,
-            **judged,
-        ),
-        run.row(name, "fitted exponent of the depth", power, reference=1.5, **judged),
+        run.row(name, "largest deviation from Bagnold's profile over v_max", away, reference=0.0, **gate),
+        run.row(name, "fitted exponent of the depth", power, reference=1.5),
         run.row(name, "root mean square left by the fit over v_max", left / (slip + rise)),
         run.row(name, "slip at the base over v_max", slip / (slip + rise)),
         run.row(name, "v_max over sqrt(g d)", float(slip + rise)),
-        run.row(
-            name,
-            "v_max over (2/3) I sqrt(nu cos) h^1.5",
-            float((slip + rise) / bagnold(height, mean_i, angle, height, mean_nu)),
-            reference=1.0,
-            tolerance=0.05 if steady else np.nan,
-            **judged,
-        ),
-        run.row(
-            name,
-            "the same of v_max - slip",
-            float(rise / bagnold(height, mean_i, angle, height, mean_nu)),
-            reference=1.0,
-            tolerance=0.05 if steady else np.nan,
-            **judged,
-        ),
+        run.row(name, "v_max over (2/3) I sqrt(nu cos) h^1.5", (slip + rise) / expected, reference=1.0, **gate),
+        run.row(name, "the same of v_max - slip", rise / expected, reference=1.0, **gate),
         run.row(name, "inertial number of the bulk", mean_i, uncertainty=float(np.std(inertial))),
     ]
 
@@ -243,7 +208,11 @@ def scaling(rows: Rows) -> None:
         speed = [rows.value(part, "v_max over sqrt(g d)") for part in there]
         power = float(np.polyfit(np.log(height), np.log(speed), 1)[0])
         over_parts(
-            rows, "heights", "I15-heights", [("exponent of v_max over height", power, 1.5, 0.075, SOURCE)], len(there)
+            rows,
+            "heights",
+            "I15-heights",
+            [("exponent of v_max over height", power, 1.5, 0.075, "Bagnold's profile")],
+            len(there),
         )
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from common import COLOURS, REFERENCE, SCENES, Options, Rows, Run, figure, launched, options, portrait, settle
+from common import COLOURS, REFERENCE, SCENES, Options, Row, Rows, Run, figure, launched, options, portrait, settle
 from porosity import D, shower
 
 from sturz import measures
@@ -78,45 +78,32 @@ def shake(opts: Options, rows: Rows, part: str) -> None:
             settled = rest(opts, run)
             seen.append([number, *look(run)[:2], float(settled)])
             run.save()
-        _, _, profile = look(run)
-        table = np.array(seen)
-        is_dice = part == "tetrahedron"
-        found = [
-            run.row(
-                f"I19-{part}",
-                "solid fraction, poured",
-                table[0, 1],
-                uncertainty=table[0, 2],
-                reference=SETTLED if is_dice else np.nan,
-                source="Rakotonirina 2019, table 5" if is_dice else "",
-            )
-        ]
-        found += [
-            run.row(f"I19-{part}", f"solid fraction after {int(number)} shakes", value, uncertainty=error)
-            for number, value, error, _ in table[1:-1]
-        ]
+        rows.keep(part, rows_of(run, part, np.array(seen)), shakes={"table": np.array(seen), "profile": look(run)[2]})
+        shaken = int(seen[-1][0])
+        portrait(opts, run, f"shaken_{part}.png", f"{run.info.particles} particles, shaken {shaken} times: {part}")
+
+
+def rows_of(run: Run, part: str, table: np.ndarray) -> list[Row]:
+    """A table of number of shakes, solid fraction, its error, and whether all was at rest."""
+    name, found = f"I19-{part}", []
+    for number, value, error, _ in table:
+        what = f"after {int(number)} shakes" if number else "poured"
+        reference, source = np.nan, ""
+        if part == "tetrahedron" and number == 0:
+            reference, source = SETTLED, "Rakotonirina 2019, table 5"
+        elif part == "tetrahedron" and number == table[-1, 0]:
+            reference, source = SHAKEN, "Jaoshvili 2010"
         found.append(
-            run.row(
-                f"I19-{part}",
-                f"solid fraction after {int(table[-1, 0])} shakes",
-                table[-1, 1],
-                uncertainty=table[-1, 2],
-                reference=SHAKEN if is_dice else np.nan,
-                source="Jaoshvili 2010" if is_dice else "",
-            )
+            run.row(name, f"solid fraction, {what}", value, uncertainty=error, reference=reference, source=source)
         )
-        gain = table[-1, 1] - table[0, 1]
-        error = float(np.hypot(table[-1, 2], table[0, 2]))
-        found.append(run.row(f"I19-{part}", "gain by shaking", gain, uncertainty=error))
-        found.append(run.row(f"I19-{part}", "states looked at that came to rest, share", float(table[:, 3].mean())))
-        report = run.simulation.report()
-        found.append(
-            run.row(f"I19-{part}", "largest overlap over bounding radius", report.largest_overlap_ratio_so_far)
-        )
-        rows.keep(part, found, shakes={"table": table, "profile": profile})
-        portrait(
-            opts, run, f"shaken_{part}.png", f"{run.info.particles} particles, shaken {int(table[-1, 0])} times: {part}"
-        )
+    gain, error = table[-1, 1] - table[0, 1], float(np.hypot(table[-1, 2], table[0, 2]))
+    overlap = run.simulation.report().largest_overlap_ratio_so_far
+    return [
+        *found,
+        run.row(name, "gain by shaking", gain, uncertainty=error),
+        run.row(name, "states looked at that came to rest, share", float(table[:, 3].mean())),
+        run.row(name, "largest overlap over bounding radius", overlap),
+    ]
 
 
 def draw(opts: Options, rows: Rows) -> None:

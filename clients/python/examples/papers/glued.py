@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from common import COLOURS, REFERENCE, Options, Rows, Run, figure, launched, options
+from common import COLOURS, REFERENCE, Options, Row, Rows, Run, figure, launched, options
 
 from sturz import measures
 
@@ -224,6 +224,36 @@ def fan(opts: Options, run_name: str, bodies: dict[str, list[Body]]) -> Made:
         return Made(run, v, w, heavy)
 
 
+def flat_and_on_its_side(made: Made, name: str, shape: int, degrees: np.ndarray, spin_tolerance: float) -> list[Row]:
+    """V+ and w+ where the contact is a face or a line."""
+    found = []
+    for angle in (0.0, 90.0):
+        at = int(np.flatnonzero(degrees == angle)[0])
+        v, w = made.speed[shape, at], made.spin[shape, at]
+        speed: dict[str, Any] = {"reference": E, "tolerance": 1e-3, "unit": "m/s"}
+        spin: dict[str, Any] = {"reference": 0.0, "tolerance": spin_tolerance, "unit": "rad/s"}
+        found += [made.run.row(name, f"V+ at {angle:g} degrees", v, **speed)]
+        found += [made.run.row(name, f"w+ at {angle:g} degrees", w, **spin)]
+    return found
+
+
+# What this spring and dashpot give exactly (PHYSICS.md G: rim point, finite rotation): angle, w+, V+.
+ODE = ((20, -350.093, -0.22685), (40, -306.793, 0.40258), (80, 347.783, 0.13626))
+
+
+def against_ode(made: Made, degrees: np.ndarray) -> list[Row]:
+    """The true cylinder beside the exact solution of the soft contact."""
+    found = []
+    for angle, w, v in ODE:
+        for at in np.flatnonzero(np.isclose(degrees, angle)):
+            spin: dict[str, Any] = {"reference": w, "tolerance": abs(0.005 * w), "unit": "rad/s"}
+            speed: dict[str, Any] = {"reference": v, "tolerance": 0.005, "unit": "m/s"}
+            source = "ODE of the soft contact"
+            found.append(made.run.row("G1-true", f"w+ at {angle} degrees", made.spin[0, at], source=source, **spin))
+            found.append(made.run.row("G1-true", f"V+ at {angle} degrees", made.speed[0, at], source=source, **speed))
+    return found
+
+
 def cylinder(opts: Options, rows: Rows) -> None:
     """G1, figure 7."""
     degrees = np.arange(0.0, 90.1, opts.pick(30.0, 2.5, 2.5))
@@ -233,70 +263,17 @@ def cylinder(opts: Options, rows: Rows) -> None:
     speed, spin = closed_form(degrees)
     inner = (degrees > 4) & (degrees < 86)
     found = []
-    for k, name in enumerate(("true", "glued of 4 slices")):
-        v, w = made.speed[k], made.spin[k]
-        found += [
-            made.run.row(
-                f"G1-{name.split()[0]}",
-                "largest distance of V+ from equation 23, 5 to 85 degrees",
-                float(np.abs(v - speed)[inner].max()),
-                unit="m/s",
-                source=SOURCE,
-            ),
-            made.run.row(
-                f"G1-{name.split()[0]}",
-                "largest distance of w+ from equation 22, 5 to 85 degrees",
-                float(np.abs(w - spin)[inner].max()),
-                unit="rad/s",
-                source=SOURCE,
-            ),
-        ]
-        for angle in (0.0, 90.0):
-            at = int(np.flatnonzero(degrees == angle)[0])
-            found += [
-                made.run.row(
-                    f"G1-{name.split()[0]}", f"V+ at {angle:g} degrees", v[at], reference=E, tolerance=1e-3, unit="m/s"
-                ),
-                made.run.row(
-                    f"G1-{name.split()[0]}",
-                    f"w+ at {angle:g} degrees",
-                    w[at],
-                    reference=0,
-                    tolerance=1e-9,
-                    unit="rad/s",
-                ),
-            ]
-    # What this spring and dashpot give exactly (PHYSICS.md G: rim point, finite rotation) is not a hard hit.
-    for angle, w_ode, v_ode in ((20, -350.093, -0.22685), (40, -306.793, 0.40258), (80, 347.783, 0.13626)):
-        at = np.flatnonzero(np.isclose(degrees, angle))
-        if len(at):
-            name, source = "G1-true", "ODE of the soft contact"
-            found.append(
-                made.run.row(
-                    name,
-                    f"w+ at {angle} degrees",
-                    made.spin[0, at[0]],
-                    reference=w_ode,
-                    tolerance=abs(0.005 * w_ode),
-                    unit="rad/s",
-                    source=source,
-                )
-            )
-            found.append(
-                made.run.row(
-                    name,
-                    f"V+ at {angle} degrees",
-                    made.speed[0, at[0]],
-                    reference=v_ode,
-                    tolerance=0.005,
-                    unit="m/s",
-                    source=source,
-                )
-            )
+    for k, name in enumerate(("G1-true", "G1-glued")):
+        v = float(np.abs(made.speed[k] - speed)[inner].max())
+        w = float(np.abs(made.spin[k] - spin)[inner].max())
+        away = "largest distance of {} from equation {}, 5 to 85 degrees"
+        found.append(made.run.row(name, away.format("V+", 23), v, unit="m/s", source=SOURCE))
+        found.append(made.run.row(name, away.format("w+", 22), w, unit="rad/s", source=SOURCE))
+        found += flat_and_on_its_side(made, name, k, degrees, 1e-9)
+    found += against_ode(made, degrees)
     both = float(np.abs(made.spin[0] - made.spin[1])[inner].max())
-    found.append(
-        made.run.row("G1", "largest difference of w+ between true and glued, 5 to 85 degrees", both, unit="rad/s")
-    )
+    metric = "largest difference of w+ between true and glued, 5 to 85 degrees"
+    found.append(made.run.row("G1", metric, both, unit="rad/s"))
     rows.keep("cylinder", found, fan={"degrees": degrees, "speed": made.speed, "spin": made.spin})
 
 
@@ -411,20 +388,7 @@ def spheres(opts: Options, rows: Rows) -> None:
                     source=f"{SOURCE}, table 2: another layout",
                 )
             )
-        for angle in (0.0, 90.0):
-            at = int(np.flatnonzero(degrees == angle)[0])
-            found += [
-                made.run.row(
-                    f"G3-{name}", f"V+ at {angle:g} degrees", made.speed[k, at], reference=E, tolerance=1e-3, unit="m/s"
-                ),
-                made.run.row(
-                    f"G3-{name}",
-                    f"w+ at {angle:g} degrees",
-                    made.spin[k, at],
-                    reference=0.0,
-                    unit="rad/s",
-                ),
-            ]
+        found += flat_and_on_its_side(made, f"G3-{name}", k, degrees, np.nan)
         inner = (degrees > 0) & (degrees < 90)
         found.append(
             made.run.row(
@@ -469,6 +433,57 @@ def cube_impact(turn: np.ndarray, dashpot: bool) -> tuple[float, np.ndarray]:
     return before + impulse / mass, lever * impulse / inertia
 
 
+def drop(opts: Options, run: Run) -> tuple[Impacts, dict[str, np.ndarray]]:
+    """The first impacts step by step, and height and w_x over the whole fall, (n, bodies)."""
+    around: list[list[np.ndarray]] = [[], [], []]
+
+    def until(end_s: float) -> None:
+        while run.time_s < end_s - 1e-9:
+            run.advance(min(0.002, end_s - run.time_s))
+            state = run.simulation.state()
+            around[0].append(np.array(state.time_s))
+            around[1].append(np.array(state.positions_m[:, 2]))
+            around[2].append(np.array(state.angular_velocities_rad_per_s[:, 0]))
+
+    until(0.1255)
+    seen = watch(run, int((0.1287 - run.time_s) / run.info.time_step_s))
+    until(opts.pick(0.13, 0.34, 0.34))
+    times_s = np.concatenate([around[0], seen.time])
+    order = np.argsort(times_s)
+    height = np.concatenate([around[1], seen.height])[order]
+    return seen, {
+        "time": times_s[order],
+        "height": height,
+        "spin": np.concatenate([around[2], seen.spin[:, :, 0]])[order],
+    }
+
+
+def first_impact(run: Run, seen: Impacts, k: int, turn: np.ndarray) -> list[Row]:
+    """Of the true and of the glued cube of one orientation."""
+    x, y = ANGLES[k]
+    speed, spin = cube_impact(turn, True)
+    exact = 1e-9 * max(float(np.abs(spin).max()), 1.0)
+    source = "hard hit of the dashpot's restitution, PHYSICS.md G"
+    found, speeds, aside = [], [], 0.0
+    for label, body in (("true", k), ("glued", k + len(ANGLES))):
+        end = seen.contact(body)[1]
+        name, v, w = f"G4-{x}-{y}-{label}", float(seen.speed[end, body]), seen.spin[end, body]
+        away = float(np.abs(w - spin).max())
+        never: dict[str, Any] = {"reference": 0.0, "tolerance": exact if (x, y) == (0, 0) else np.nan, "unit": "rad/s"}
+        found.append(run.row(name, "V+ of the first impact", v, reference=speed, unit="m/s", source=source))
+        found.append(run.row(name, "largest distance of w+ from the hard hit", away, source=source, **never))
+        speeds.append(v)
+        aside = max(aside, float(np.abs(w[1:]).max()))
+    nominal = cube_impact(turn, False)[0]
+    name, both = f"G4-{x}-{y}", abs(speeds[0] / speeds[1] - 1)
+    found.append(run.row(name, "V+ of a hard hit of restitution 0.9", nominal, unit="m/s", source="PHYSICS.md G"))
+    same: dict[str, Any] = {"reference": 0.0, "tolerance": 1e-6, "source": "PHYSICS.md G4"}
+    found.append(run.row(name, "true against glued cube, V+ over its size", both, **same))
+    if (x, y) == (30, 0):
+        found.append(run.row(name, "w_y and w_z", aside, reference=0.0, tolerance=exact, unit="rad/s"))
+    return found
+
+
 def cube(opts: Options, rows: Rows) -> None:
     """G4, figure 12."""
     law = f"stiffness_n_per_m = {K}\nrestitution = {CUBE_E}"
@@ -478,75 +493,9 @@ def cube(opts: Options, rows: Rows) -> None:
     setting = Scene(opts.pick(2e-6, duration / 100, duration / 400), contact, {"body": (CUBE_RHO, law)}, 9.81)
     turns = [times(quaternion((0, 1, 0), math.radians(y)), quaternion((1, 0, 0), math.radians(x))) for x, y in ANGLES]
     setting.bodies = [Body(shape, 0.0, turn) for shape in (CUBE, EIGHT) for turn in turns]
-    step = setting.time_step_s
-    end_s = opts.pick(0.13, 0.34, 0.34)
-    kept: list[tuple[float, np.ndarray, np.ndarray]] = []
     with launched(opts, "cube", setting.text(0.0, DROP, 0.0)) as run:
-
-        def look() -> None:
-            state = run.simulation.state()
-            kept.append((state.time_s, state.positions_m[:, 2].copy(), state.angular_velocities_rad_per_s[:, 0].copy()))
-
-        while run.time_s < 0.1255:
-            run.advance(min(0.002, 0.12551 - run.time_s))
-            look()
-        seen = watch(run, int((0.1287 - run.time_s) / step))
-        while run.time_s < end_s:
-            run.advance(0.002)
-            look()
-        found = []
-        for k, ((x, y), turn) in enumerate(zip(ANGLES, turns, strict=True)):
-            speed, spin = cube_impact(turn, True)
-            largest = max(float(np.abs(spin).max()), 1.0)
-            ends = [seen.contact(body)[1] for body in (k, k + len(ANGLES))]
-            v = [seen.speed[end, body] for end, body in zip(ends, (k, k + len(ANGLES)), strict=True)]
-            w = [seen.spin[end, body] for end, body in zip(ends, (k, k + len(ANGLES)), strict=True)]
-            for label, value, rotation in zip(("true", "glued"), v, w, strict=True):
-                name, source = f"G4-{x}-{y}-{label}", "hard hit of the dashpot's restitution, PHYSICS.md G"
-                found.append(run.row(name, "V+ of the first impact", value, reference=speed, unit="m/s", source=source))
-                found.append(
-                    run.row(
-                        name,
-                        "largest distance of w+ from the hard hit",
-                        float(np.abs(rotation - spin).max()),
-                        reference=0.0,
-                        tolerance=1e-9 * largest if (x, y) == (0, 0) else np.nan,
-                        unit="rad/s",
-                        source=source,
-                    )
-                )
-            at_nominal = cube_impact(turn, False)[0]
-            found.append(
-                run.row(
-                    f"G4-{x}-{y}", "V+ of a hard hit of restitution 0.9", at_nominal, unit="m/s", source="PHYSICS.md G"
-                )
-            )
-            found.append(
-                run.row(
-                    f"G4-{x}-{y}",
-                    "true against glued cube, V+ over its size",
-                    abs(v[0] / v[1] - 1),
-                    reference=0.0,
-                    tolerance=1e-6,
-                    source="PHYSICS.md G4",
-                )
-            )
-            if (x, y) == (30, 0):
-                aside = max(float(np.abs(each[1:]).max()) for each in w)
-                found.append(
-                    run.row("G4-30-0", "w_y and w_z", aside, reference=0.0, tolerance=1e-9 * largest, unit="rad/s")
-                )
-        path = {
-            "time": np.array([each[0] for each in kept]),
-            "height": np.array([each[1] for each in kept]),
-            "spin": np.array([each[2] for each in kept]),
-        }
-        order = np.argsort(np.concatenate([path["time"], seen.time]))
-        path = {
-            "time": np.concatenate([path["time"], seen.time])[order],
-            "height": np.concatenate([path["height"], seen.height])[order],
-            "spin": np.concatenate([path["spin"], seen.spin[:, :, 0]])[order],
-        }
+        seen, path = drop(opts, run)
+        found = [row for k, turn in enumerate(turns) for row in first_impact(run, seen, k, turn)]
         rows.keep("cube", found, path=path)
 
 
