@@ -25,7 +25,9 @@ macro_rules! bundled {
 }
 
 bundled!(
+    "bagnold-spheres",
     "bouncing-sphere",
+    "chute-spherocylinders",
     "cube-heap",
     "cube-tower",
     "drum-crosses",
@@ -33,6 +35,7 @@ bundled!(
     "drum-shapes",
     "drum-spheres",
     "free-top",
+    "incline-pinacoids",
     "packing-pinacoids",
     "pinacoid-layer",
     "porosity-shapes",
