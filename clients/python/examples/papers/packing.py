@@ -46,16 +46,26 @@ def scene(opts: Options, part: str) -> str:
     return text
 
 
+def weight_n(run: Run) -> float:
+    """Of all particles."""
+    state, _, heavy = run.seen()
+    return float(heavy.mass_kg.sum() * np.linalg.norm(state.gravity_m_per_s2))
+
+
 def wait(opts: Options, run: Run) -> None:
     """Lets the packing densify until its kinetic energy is 1e-8 of the potential one, or for 100 inertial times."""
     longest = opts.pick(3.0, 100.0, 437.5) * T_INERTIA
     history = run.notes.setdefault("history", [])
+    weight = weight_n(run)
     windows = 0
     while run.time_s < longest * (1 - 1e-9):
         run.advance(min(T_INERTIA, longest - run.time_s))
         energy = run.simulation.report().energy
         kinetic = energy.kinetic_translation_j + energy.kinetic_rotation_j
-        history.append([run.time_s / T_INERTIA, kinetic / energy.potential_j])
+        # The mean height of the bed tells of sinking, the residual of energy that the time step makes.
+        height = energy.potential_j / weight / D_EQ
+        lost = energy.dissipated_normal_j + energy.dissipated_local_j
+        history.append([run.time_s / T_INERTIA, kinetic / energy.potential_j, height, energy.residual_j, lost])
         windows += 1
         if windows % 10 == 0:
             run.save()
@@ -136,6 +146,7 @@ def rows_of(run: Run, part: str, m: dict[str, np.ndarray]) -> list[Row]:
     stress = m["stress_pa"][bulk].mean(axis=0) if bulk.any() else np.full((3, 3), np.nan)
     if stress[2, 2] == 0.0:  # nothing presses yet
         stress = np.full((3, 3), np.nan)
+    above = m["weight_pa"][bulk].mean() if bulk.any() else np.nan
     name = f"K1s-{part}"
 
     def row(metric: str, value: float, reference: float = np.nan, tolerance: float = np.nan, **more) -> Row:
@@ -153,6 +164,7 @@ def rows_of(run: Run, part: str, m: dict[str, np.ndarray]) -> list[Row]:
         row("nematic order of the thickness", m["order"][0], 0.18),
         row("the same of as many random axes", m["order"][1]),
         row("pressure on the floor over the weight", m["floor"][0] / m["weight"][0], 1.0, 0.01, source="balance"),
+        row("sigma_zz over the weight above in the bulk", stress[2, 2] / above, 1.0, source="balance"),
         row("sigma_xx over sigma_zz in the bulk", stress[0, 0] / stress[2, 2], 1.0, 0.05),
         row("sigma_yy over sigma_zz in the bulk", stress[1, 1] / stress[2, 2], 1.0, 0.05),
         row("sigma_yz over sigma_zz in the bulk", abs(stress[1, 2]) / stress[2, 2], 0.0, 0.02),
