@@ -214,7 +214,7 @@ def draw_map(opts: Options, rows: Rows) -> None:
         for height, shape in enumerate(shapes):
             for regime, low, high in NAMED.get(shape, ()):
                 axes.barh(height + 0.3, high - low, 0.16, left=low, color="#dde2e6", zorder=0)
-                axes.text(0.5 * (low + high), height + 0.3, regime, fontsize=7, ha="center", va="center")
+                axes.text(0.5 * (low + high), height + 0.3, regime, fontsize=5.5, ha="center", va="center")
             for rate in DURATION_S:
                 part = f"{shape}-{rate}"
                 if rows.has(part):
