@@ -247,8 +247,10 @@ def balance(run: Run, name: str, theta: float, expected: str, m: dict[str, np.nd
     mass, momentum = m["momentum_frames"].transpose(1, 0, 2)
     mean = momentum[:, 0] / mass[:, 0]
     acceleration = float(np.polyfit(m["times"], mean, 1)[0])
-    # Exactly: the momentum above each layer of the bulk changes by its weight along the slope and the shear stress.
-    change = np.polyfit(m["times"], momentum[:, bulk].sum(axis=1), 1)[0]
+    # What is above a layer's middle gains momentum by weight and shear stress, and with the mass that rises into it.
+    gain = np.polyfit(m["times"], momentum[:, bulk], 1)[0]
+    rising = np.polyfit(m["times"], mass[:, bulk], 1)[0]
+    change = (gain - m["velocity"][bulk, 1] * rising).sum()
     weight = mass[:, bulk].sum(axis=1).mean()
     exact = math.tan(theta) - change / (weight * math.cos(theta))
     asked = math.tan(theta)
