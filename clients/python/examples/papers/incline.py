@@ -89,7 +89,7 @@ def prepare(opts: Options, run: Run, law: str) -> None:
 def flow(opts: Options, run: Run, angle: int) -> np.ndarray:
     """Ten inertial times at 50 degrees, then the angle; time, kinetic energy and mean velocity."""
     history = run.notes.setdefault("history", [])
-    steep, whole = opts.pick((1, 2), (10, 70), (10, 60))
+    steep, whole = opts.pick((1, 2), (10, 60), (10, 60))
     while len(history) < whole:
         if len(history) == steep:
             tilt(run, angle)
@@ -107,24 +107,22 @@ def flow(opts: Options, run: Run, angle: int) -> np.ndarray:
 
 
 def average(opts: Options, run: Run) -> dict[str, np.ndarray]:
-    """Profiles over the last ten inertial times.
+    """Profiles over twenty inertial times more.
 
     Fluctuations are those about the mean velocity of a layer over all frames: the mean of one frame follows its few
     grains, and would take their share of the kinetic stress away.
     """
     area = float(np.prod(run.info.domain.max_m[:2]))
-    states, flowing, contact, momentum, sums = [], [], [], [], {}
+    states, flowing, frames, momentum = [], [], [], []
     edges = np.arange(0.0, 2.0 + float(run.simulation.state().positions_m[:, 2].max()), 0.5 * D_EQ)
     layers = len(edges) - 1
-    frames = opts.pick(2, 50, 100)
-    for _ in range(frames):
+    for _ in range(opts.pick(2, 100, 100)):
         run.advance(0.2 * T_INERTIA)
         state, contacts, heavy = run.seen()
         rocks = state.materials == run.info.materials.index("stone")
         states.append(state)
         flowing.append((state.positions_m[rocks], state.velocities_m_per_s[rocks], heavy.mass_kg[rocks]))
         stress = measures.layer_stress(state, contacts, heavy, edges, area_m2=area, domain=run.info.domain)
-        contact.append(stress.contact)
         fraction = measures.solid_fraction_profile(state, run.shapes, edges, area_m2=area)
         touching = measures.coordination(state, contacts).per_particle
         layer = np.searchsorted(edges, state.positions_m[:, 2], side="right") - 1
@@ -132,29 +130,31 @@ def average(opts: Options, run: Run) -> dict[str, np.ndarray]:
         above = state.positions_m[rocks, 2] >= stress.middles_m[:, None]
         mass, along = heavy.mass_kg[rocks], state.velocities_m_per_s[rocks, 1]
         momentum.append(np.stack([above @ mass, above @ (mass * along)]))
-        found = {
-            "contact": stress.contact,
-            "weight": stress.weight_pa,
-            "nu": fraction.solid_fraction,
-            "neighbours": np.bincount(layer, weights=touching, minlength=layers)[:layers],
-            "particles": np.bincount(layer, minlength=layers)[:layers],
-            "mass": np.bincount(layer, weights=heavy.mass_kg, minlength=layers)[:layers],
+        of_layers = {
+            "neighbours": touching,
+            "particles": np.ones(len(state)),
+            "mass": heavy.mass_kg,
+            "turning": state.angular_velocities_rad_per_s[:, 0],
+            "along": state.velocities_m_per_s[:, 1],
         }
-        for name, value in found.items():
-            sums[name] = sums.get(name, 0.0) + value / frames
+        found = {
+            name: np.bincount(layer, weights=values, minlength=layers)[:layers] for name, values in of_layers.items()
+        }
+        frames.append(found | {"contact": stress.contact, "weight": stress.weight_pa, "nu": fraction.solid_fraction})
+    kept = {f"{name}_frames": np.array([frame[name] for frame in frames]) for name in frames[0]}
+    sums = {name: kept[f"{name}_frames"].mean(axis=0) for name in ("contact", "weight", "nu", *of_layers)}
     profile = measures.velocity_profile(states, heavy.mass_kg, edges)
     sums["z"] = sums["neighbours"] / np.maximum(sums["particles"], 1e-9)
     density = sums["mass"] / (area * np.diff(edges))
-    sums |= {
+    sums |= kept | {
         "edges_m": edges,
         "velocity": profile.velocity_m_per_s,
         "spin": profile.angular_velocity_rad_per_s,
         "temperature": profile.granular_temperature_m2_per_s2,
         "rate": np.nan_to_num(profile.shear_rate_per_s(1)),
         "kinetic": np.nan_to_num(density[:, None, None] * profile.temperature_m2_per_s2),
-        "contact_frames": np.array(contact),
         "momentum_frames": np.array(momentum),
-        "times": np.arange(frames) * 0.2 * T_INERTIA,
+        "times": np.arange(len(frames)) * 0.2 * T_INERTIA,
     }
     sums["flowing"], sums["flowing_velocity"] = of_flowing(flowing, edges)
     total = sums["contact"] + sums["kinetic"]
@@ -209,30 +209,45 @@ def rows_of(run: Run, part: str, history: np.ndarray, m: dict[str, np.ndarray]) 
         return rows
     weights = m["nu"][bulk]
     inertial, nu, z = (float(np.average(m[key][bulk], weights=weights)) for key in ("inertial", "nu", "z"))
-    turning = float((weights @ m["spin"][bulk, 0]) / (weights @ (-0.5 * m["rate"][bulk])))
+    grains = m["particles_frames"][:, bulk]
+    counted = grains.sum(axis=1)
+    # Against half of the slope of the velocity over the whole bulk.
+    speeds = m["along_frames"][:, bulk] / np.maximum(grains, 1)
+    rates = np.polyfit(middles[bulk], speeds.T, 1)[0]
+    turning = measures.block_mean(-2.0 * m["turning_frames"][:, bulk].sum(axis=1) / counted / rates)
+    nu_error = measures.block_mean(m["nu_frames"][:, bulk].mean(axis=1)).standard_error
+    z_error = measures.block_mean(m["neighbours_frames"][:, bulk].sum(axis=1) / counted).standard_error
     judged = regime == "steady"
 
-    def fit(metric: str, value: float, reference: float, tolerance: float, source: str) -> Row:
+    def fit(metric: str, value: float, error: float, reference: float, tolerance: float, source: str) -> Row:
         """Judged where the flow is steady."""
-        allowed = tolerance if judged else math.nan
-        return run.row(name, metric, value, reference=reference, tolerance=allowed, source=source)
+        return run.row(
+            name,
+            metric,
+            value,
+            uncertainty=error,
+            reference=reference,
+            tolerance=tolerance if judged else math.nan,
+            source=source,
+        )
 
     rows += [
         run.row(name, "inertial number of the bulk", inertial),
-        fit("solid fraction of the bulk", nu, 0.50 - 0.07 * inertial, 0.02, f"{SOURCE}: 0.50 - 0.07 I"),
+        fit("solid fraction of the bulk", nu, nu_error, 0.50 - 0.07 * inertial, 0.02, f"{SOURCE}: 0.50 - 0.07 I"),
         fit(
             "coordination number of the bulk",
             z,
+            z_error,
             4.5 - 3.62 * math.sqrt(inertial),
             0.25,
             f"{SOURCE}: 4.5 - 3.62 sqrt(I)",
         ),
-        fit("angular velocity over -shear rate / 2", turning, 1.0, 0.1, SOURCE),
+        fit("angular velocity over -shear rate / 2", turning.value, turning.standard_error, 1.0, 0.1, SOURCE),
     ]
     # The lowest layer that has a fiftieth of the grains of a full one: those in the hollows of the base.
     low = np.flatnonzero(m["flowing"] > 0.02 * m["flowing"].max())[0]
     slip = abs(float(m["flowing_velocity"][low])) / float(np.nanmax(m["flowing_velocity"]))
-    rows.append(fit("lowest flowing layer over the fastest", slip, 0.0, 0.05, SOURCE))
+    rows.append(fit("lowest flowing layer over the fastest", slip, math.nan, 0.0, 0.05, SOURCE))
     return rows
 
 
