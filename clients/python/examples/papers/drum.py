@@ -22,8 +22,8 @@ AXIS = np.array([0.0, 1.0, 0.0])
 # 7/12 of the paper's numbers; the full depth has all.
 COUNTS = {"sphere": 1750, "cross_3d": 729, "cross_2d": 875, "tetrahedron": 1517, "cube": 1750}
 RATES = (200, 80, 5)
-# Of the map: simulated time of each rate, s. From 125 rpm on two to three turns, of which the last third is judged.
-BETWEEN_S = {250: 0.6, 150: 1.2, 125: 1.2, 50: 1.5, 20: 1.5}
+# Of the map: simulated time of each rate, s. From 125 rpm on two turns or more, of which the last third is judged.
+BETWEEN_S = {250: 0.6, 150: 0.9, 125: 1.0, 20: 1.5}
 DURATION_S = {5: 6.0, 80: 2.25, 200: 0.9} | BETWEEN_S
 # What the paper calls them, from its pictures (figs. 20 to 24; of spheres from the paper that it cites as [39]).
 REGIMES = {
