@@ -254,8 +254,9 @@ def draw(opts: Options, rows: Rows) -> None:
             each.set_title(title)
             each.set_xlabel(x)
             each.set_ylabel(y)
-            each.legend(frameon=False, fontsize=7, loc="best" if each is not axes[1, 0] else "lower center", ncols=2)
+            each.legend(frameon=False, fontsize=7, loc="best" if each is not axes[1, 0] else "upper center", ncols=2)
             each.set_ylim(bottom=0 if each is not axes[0, 1] else None)
+        axes[1, 0].set_ylim(top=19)
 
 
 def main() -> None:
