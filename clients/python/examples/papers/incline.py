@@ -87,9 +87,11 @@ def prepare(opts: Options, run: Run, law: str) -> None:
 
 
 def flow(opts: Options, run: Run, angle: int) -> np.ndarray:
-    """Ten inertial times at 50 degrees, then the angle; time, kinetic energy and mean velocity."""
+    """Ten inertial times at 50 degrees, then fifty at the angle; time, kinetic energy and mean velocity."""
     history = run.notes.setdefault("history", [])
     steep, whole = opts.pick((1, 2), (10, 60), (10, 60))
+    if REGIMES[angle] == "accelerating" and opts.size == "scaled":  # there is no steady state to wait for
+        whole = 30
     while len(history) < whole:
         if len(history) == steep:
             tilt(run, angle)
