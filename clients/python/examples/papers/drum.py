@@ -1,7 +1,9 @@
 """G8: rotating drum of spheres and 3D crosses, as Rakotonirina et al. 2019 (Comput. Part. Mech. 6, 55-84), section 4.2.
 
 Scaled (G8s): 14 mm deep, 1e3 N/m; half a turn at 5 rpm, three turns at 80 and 200 rpm. Each shape settles once; each
-rate starts from there. Writes rows.json, speeds.png (fig. 26), distributions.png (fig. 27) and a picture of each run.
+rate starts from there. Parts `map-<shape>` are all rates of a shape, those between in shorter runs, for the map of
+regimes over shape and rate (fig. 30). Writes rows.json, speeds.png (fig. 26), distributions.png (fig. 27), map.png
+(fig. 30) and a picture of each run.
 """
 
 from __future__ import annotations
@@ -20,15 +22,34 @@ AXIS = np.array([0.0, 1.0, 0.0])
 # 7/12 of the paper's numbers; the full depth has all.
 COUNTS = {"sphere": 1750, "cross_3d": 729, "cross_2d": 875, "tetrahedron": 1517, "cube": 1750}
 RATES = (200, 80, 5)
+# Of the map: simulated time of each rate, s. From 125 rpm on two turns or more, of which the last third is judged.
+BETWEEN_S = {250: 0.6, 150: 0.9, 125: 1.0, 20: 1.5}
+DURATION_S = {5: 6.0, 80: 2.25, 200: 0.9} | BETWEEN_S
 # What the paper calls them, from its pictures (figs. 20 to 24; of spheres from the paper that it cites as [39]).
 REGIMES = {
+    ("sphere", 250): "centrifuging",
     ("sphere", 200): "cataracting",
+    ("sphere", 150): "cataracting",
     ("sphere", 5): "rolling",
     ("cross_3d", 5): "avalanching",
+    ("cross_3d", 20): "avalanching",
     ("cross_3d", 80): "avalanching",
+    ("cross_3d", 125): "cataracting",
     ("cross_3d", 200): "centrifuging",
+    ("cross_3d", 250): "centrifuging",
 }
-PARTS = tuple(f"{shape}-{rate}" for shape in COUNTS for rate in RATES)
+# The same as ranges of the rate, for the map: what the text says; its fig. 30 is a picture.
+NAMED = {
+    "sphere": (("rolling", 5, 20), ("cataracting", 150, 200), ("centrifuging", 220, 250)),
+    "cross_3d": (
+        ("avalanching", 5, 80),
+        ("cataracting", 125, 140),
+        ("pseudo-cataracting", 150, 165),
+        ("centrifuging", 200, 250),
+    ),
+}
+MARKS = {"rolling": "o", "avalanching": "s", "cascading": "D", "cataracting": "^", "centrifuging": "P"}
+PARTS = tuple(f"{shape}-{rate}" for shape in COUNTS for rate in (*RATES, *BETWEEN_S))
 DEFAULT_PARTS = tuple(f"{shape}-{rate}" for shape in ("sphere", "cross_3d") for rate in RATES)
 
 
@@ -55,7 +76,7 @@ def prepare(opts: Options, run: Run, shape: str) -> None:
 def turn(opts: Options, run: Run, rpm: int) -> tuple[list[measures.DrumState], dict[str, np.ndarray]]:
     """Turns the drum from where the bed came to rest; states and numbers at equal intervals."""
     rate = rpm * 2 * np.pi / 60
-    duration = opts.pick(0.04, {5: 6.0, 80: 2.25, 200: 0.9}[rpm], 10.0)
+    duration = opts.pick(0.04, DURATION_S[rpm], 10.0)
     windows = opts.pick(4, 90, 500)
     # By the right-hand rule about +y the bottom moves towards -x.
     run.simulation.set_rotation(boundary="drum", angular_velocity_rad_per_s=rate, ramp_s=0.05)
@@ -82,8 +103,8 @@ def turn(opts: Options, run: Run, rpm: int) -> tuple[list[measures.DrumState], d
 
 
 def rows_of(run: Run, shape: str, rpm: int, states: list[measures.DrumState], kept: dict[str, np.ndarray]) -> list[Row]:
-    """The numbers of one run: of its last third, at 80 and 200 rpm the third turn."""
-    late = slice(2 * len(states) // 3 if rpm > 5 else len(states) // 3, None)
+    """The numbers of one run: of its last third, where it has three turns the third one; slowly, of the last two."""
+    late = slice(2 * len(states) // 3 if rpm > 50 else len(states) // 3, None)
     rate = rpm * 2 * np.pi / 60
     regime = measures.drum_regime(
         states[late], angular_velocity_rad_per_s=rate, radius_m=RADIUS_M, gravity_m_per_s2=9.81
@@ -184,12 +205,40 @@ def draw(opts: Options, rows: Rows) -> None:
         axes[0, 0].set_ylabel("probability density")
 
 
+def draw_map(opts: Options, rows: Rows) -> None:
+    """Fig. 30: regimes over shape and rate, beside what the text of the paper names."""
+    shapes = [shape for shape in COUNTS if any(rows.has(f"{shape}-{rate}") for rate in BETWEEN_S)]
+    if not shapes:
+        return
+    with figure(opts.out / "map", 8.0, 1.6 + 0.8 * len(shapes)) as axes:
+        for height, shape in enumerate(shapes):
+            for regime, low, high in NAMED.get(shape, ()):
+                axes.barh(height + 0.3, high - low, 0.16, left=low, color="#dde2e6", zorder=0)
+                axes.text(0.5 * (low + high), height + 0.3, regime, fontsize=5.5, ha="center", va="center")
+            for rate in DURATION_S:
+                part = f"{shape}-{rate}"
+                if rows.has(part):
+                    regime = rows.parts[part][0]["metric"].removeprefix("regime: ").split(" ")[0]
+                    colour = COLOURS[list(MARKS).index(regime)]
+                    axes.plot(rate, height, MARKS[regime], color=colour, markersize=8)
+        for (regime, mark), colour in zip(MARKS.items(), COLOURS, strict=False):
+            axes.plot([], [], mark, color=colour, label=regime)
+        axes.set_yticks(range(len(shapes)), [shape.replace("_", " ") for shape in shapes])
+        axes.set_ylim(-0.5, len(shapes) - 0.3)
+        axes.set_xlim(0, 265)
+        axes.set_xlabel("rate, rpm (grey: what the paper's text names)")
+        axes.set_title("Regimes of the drum (fig. 30)")
+        axes.legend(frameon=False, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.35), fontsize=8)
+
+
 def main() -> None:
     """Command line."""
-    opts = options(__doc__ or "", "drum", PARTS)
+    maps = {f"map-{shape}": [f"{shape}-{rate}" for rate in DURATION_S] for shape in COUNTS}
+    opts = options(__doc__ or "", "drum", (*PARTS, *maps))
+    asked = {part for each in opts.only for part in maps.get(each, [each])} or set(DEFAULT_PARTS)
     rows = Rows(opts.out / "rows.json")
     for part in PARTS:
-        if not (opts.wants(part) if opts.only else part in DEFAULT_PARTS) or rows.has(part):
+        if part not in asked or rows.has(part):
             continue
         shape, rpm = part.rsplit("-", 1)
         with launched(opts, shape, scene(opts)) as run:
@@ -200,6 +249,7 @@ def main() -> None:
             portrait(opts, run, f"{part}.png", f"{len(state)} particles ({shape.replace('_', ' ')}), {rpm} rpm")
         draw(opts, rows)
     draw(opts, rows)
+    draw_map(opts, rows)
 
 
 if __name__ == "__main__":

@@ -168,8 +168,14 @@ def beverloo(opts: Options, rows: Rows, part: str) -> None:
         rows.keep(part, found, series={"time_s": np.array(times), "rate_kg_per_s": rate, "height_m": height})
 
 
+def power(d0: np.ndarray, rate: np.ndarray, k: float) -> float:
+    """Exponent that fits with this k."""
+    return float(np.polyfit(np.log(d0 - k * 4e-3), np.log(rate), 1)[0])
+
+
 def exponent(rows: Rows) -> tuple[np.ndarray, np.ndarray, float, float, float]:
-    """Orifices, rates, k and C of the law with 2.5, and the exponent that fits with this k."""
+    """Orifices, rates, k and C of the law with 2.5, and the exponent that fits with this k: not far from 2.5, since k
+    was found with it. With another k it is another; four orifices do not tell both."""
     there = [mm for mm in ORIFICES_MM if rows.has(f"beverloo-{mm}")]
     d0 = np.array(there) * 1e-3
     rate = np.array([rows.value(f"beverloo-{mm}", "mass rate") for mm in there])
@@ -177,14 +183,13 @@ def exponent(rows: Rows) -> tuple[np.ndarray, np.ndarray, float, float, float]:
     slope, offset = np.polyfit(d0, rate**0.4, 1)
     k = -offset / slope / 4e-3
     c = slope**2.5 / (bulk * np.sqrt(G))
-    power = float(np.polyfit(np.log(d0 - k * 4e-3), np.log(rate), 1)[0])
-    return d0, rate, float(k), float(c), power
+    return d0, rate, float(k), float(c), power(d0, rate, k)
 
 
 def fit(rows: Rows) -> None:
     """Rows of Beverloo's law once there are four orifices or more."""
     if sum(rows.has(f"beverloo-{mm}") for mm in ORIFICES_MM) >= 4:
-        d0, _, k, c, power = exponent(rows)
+        d0, rate, k, c, found = exponent(rows)
         cost = [rows.parts[f"beverloo-{round(1e3 * d)}"][0] for d in d0]
         wall, steps = sum(each["wall_s"] for each in cost), sum(each["particle_steps"] for each in cost)
 
@@ -194,7 +199,12 @@ def fit(rows: Rows) -> None:
 
         rows.keep(
             "beverloo",
-            [row("exponent after fitting k", power, 2.5, 0.1), row("k", k, 1.4, np.nan), row("C", c, 0.58, np.nan)],
+            [
+                row("exponent after fitting k", found, 2.5, 0.1),
+                row("exponent with k = 1.4", power(d0, rate, 1.4), 2.5, np.nan),
+                row("k", k, 1.4, np.nan),
+                row("C", c, 0.58, np.nan),
+            ],
         )
 
 
@@ -254,7 +264,8 @@ def draw(opts: Options, rows: Rows) -> None:
                 )
             axes[1].set_xlabel("time, s")
             axes[1].set_title("Rate over time")
-            axes[1].legend(frameon=False)
+            axes[1].set_ylim(top=1.3 * rate.max())
+            axes[1].legend(frameon=False, ncols=4, fontsize=8, loc="upper center")
 
 
 def main() -> None:
