@@ -55,7 +55,7 @@ def rest(opts: Options, run: Run) -> bool:
 
 def shake(opts: Options, rows: Rows, part: str) -> None:
     """Pours, shakes, and looks in between."""
-    counts = opts.pick([1], [1, 3, 10, 30, 60], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000])
+    counts = opts.pick([1], [1, 3, 10, 30], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000])
     with launched(opts, part, scene(opts)) as run:
         seen = run.notes.setdefault("seen", [])
         if not seen:
