@@ -204,7 +204,8 @@ def draw(opts: Options, rows: Rows) -> None:
                     )
             each.set_title(shape.replace("_", " "))
             each.set_xlabel("speed / ΩR (fig. 27)")
-            each.legend(frameon=False)
+            if each.lines:
+                each.legend(frameon=False)
         axes[0, 0].set_ylabel("probability density")
 
 
