@@ -5,17 +5,19 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from types import MethodType, SimpleNamespace
 
+import numpy as np
 import pytest
 
 PAPERS = Path(__file__).resolve().parents[1] / "examples" / "papers"
 sys.path.insert(0, str(PAPERS))
 
 SCRIPTS = {
-    "porosity": (["cube", "cross_3d"], ["porosity.png", "profiles.svg"]),
-    "packing": (["default", "shared"], ["profiles.png"]),
+    "porosity": (["cube", "cross_3d", "match-4"], ["porosity.png", "profiles.svg"]),
+    "packing": (["shared", "deposited", "undamped"], ["profiles.png"]),
     "silo": (["janssen", "beverloo-28"], ["janssen.png"]),
-    "drum": (["sphere-200"], ["speeds.png", "distributions.png"]),
+    "drum": (["sphere-200", "sphere-250"], ["speeds.png", "distributions.png", "map.png"]),
     "chute": (["1.01-24"], ["regimes.png"]),
     "incline": (["default-36"], ["energy.png", "profiles.png"]),
     "bagnold": (["24-260"], ["bagnold.png"]),
@@ -64,6 +66,44 @@ def test_a_run_goes_on_from_its_checkpoint(tmp_path: Path) -> None:
         assert second.resumed and (second.info.state_hash, second.particle_steps) == kept
         second.advance(0.1)
         assert second.info.state_hash == end
+
+
+def test_stress_of_an_accelerating_slope_is_balanced() -> None:
+    import incline
+    from common import Run
+
+    # Layers with known mass above them, all accelerating alike: gravity 1, area 1.
+    theta, acceleration = np.deg2rad(45.0), 0.2
+    mass, times = np.array([4.0, 3.0, 2.0, 1.0]), np.linspace(0.0, 2.0, 40)
+    momentum = mass * (1.0 + acceleration * times[:, None])
+    contact = np.zeros((40, 4, 3, 3))
+    contact[:, :, 2, 2] = mass * np.cos(theta)
+    contact[:, :, 1, 2] = contact[:, :, 2, 1] = -mass * (np.sin(theta) - acceleration)
+    arrays = {
+        "contact": contact.mean(axis=0),
+        "contact_frames": contact,
+        "kinetic": np.zeros((4, 3, 3)),
+        "momentum_frames": np.stack([np.broadcast_to(mass, (40, 4)), momentum], axis=1),
+        "times": times,
+        "velocity": np.ones((4, 3)),
+    }
+    bulk = np.array([False, True, True, False])
+    run_ = SimpleNamespace(judged=True, wall_s=1.0, particle_steps=1.0)
+    run_.row = MethodType(Run.row, run_)
+    for expected, verdict in (("accelerating", "pass"), ("steady", "miss")):
+        rows = {row.metric: row for row in incline.balance(run_, "K2s", theta, expected, arrays, bulk)}
+        assert rows["mean acceleration over g"].value == pytest.approx(acceleration, rel=1e-9)
+        assert rows["shear over normal stress in the bulk"].verdict == verdict
+        own = rows["the same over what the bulk's own acceleration leaves of tan(theta)"]
+        assert own.value == pytest.approx(1.0, rel=1e-9)
+
+
+def test_the_base_does_not_hide_a_slip() -> None:
+    import incline
+
+    frame = (np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.7]]), np.array([[0.0, 2.0, 0.0], [0.0, 6.0, 0.0]]), np.ones(2))
+    count, velocity = incline.of_flowing([frame, frame], np.array([0.0, 0.5, 1.0]))
+    assert count.tolist() == [1.0, 1.0] and velocity.tolist() == [2.0, 6.0]
 
 
 def test_verdicts(tmp_path: Path) -> None:

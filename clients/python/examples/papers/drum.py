@@ -63,13 +63,16 @@ def scene(opts: Options) -> str:
 
 def prepare(opts: Options, run: Run, shape: str) -> None:
     """Fills the drum and lets the bed come to rest, once per shape."""
-    if run.info.particles:
+    if run.notes.get("settled"):
         return
-    depth = float(run.info.domain.max_m[1])
-    count = opts.pick(40, COUNTS[shape], COUNTS[shape] * 12 // 7)
-    region = sturz.Cylinder((0.0, 0.0, 0.0), AXIS, radius_m=0.0495, length_m=depth)
-    run.simulation.insert_random(shape=shape, material="grain", region=region, count=count, attempts=100_000)
+    if not run.info.particles:
+        depth = float(run.info.domain.max_m[1])
+        count = opts.pick(40, COUNTS[shape], COUNTS[shape] * 12 // 7)
+        region = sturz.Cylinder((0.0, 0.0, 0.0), AXIS, radius_m=0.0495, length_m=depth)
+        run.simulation.insert_random(shape=shape, material="grain", region=region, count=count, attempts=100_000)
+    # It saves on its way: a run that was interrupted there is not at rest.
     settle(run, window_s=0.02, longest_s=opts.pick(0.04, 0.6, 0.6), size_m=3e-3, quiet=1e-5)
+    run.notes["settled"] = True
     run.save()
 
 
@@ -201,7 +204,8 @@ def draw(opts: Options, rows: Rows) -> None:
                     )
             each.set_title(shape.replace("_", " "))
             each.set_xlabel("speed / ΩR (fig. 27)")
-            each.legend(frameon=False)
+            if each.lines:
+                each.legend(frameon=False)
         axes[0, 0].set_ylabel("probability density")
 
 
