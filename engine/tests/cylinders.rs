@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{engine, header, particle, plane, shape, steps};
+use common::{Filling, engine, header, mixed_drum, particle, plane, shape, steps};
 use sturz_engine::scene::{Scene, SceneDescription};
 
 const CYLINDER: &str = "kind = \"cylinder\", radius_m = 1.5e-3, length_m = 3e-3";
@@ -21,41 +21,7 @@ fn drum() -> String {
         ("rod", "kind = \"spherocylinder\", radius_m = 1e-3, total_length_m = 5e-3".into()),
         ("cube", "kind = \"cube\", edge_m = 3e-3".into()),
     ];
-    let mut text = String::from(
-        r#"
-[scene]
-name = "drum"
-gravity_m_per_s2 = [0.0, 0.0, -9.81]
-time_step_s = 1e-5
-seed = 3
-[domain]
-min_m = [0.0, -0.012, 0.0]
-max_m = [0.0, 0.012, 0.0]
-periodic = [false, true, false]
-[[material]]
-name = "m"
-density_kg_per_m3 = 2470.0
-[[material_pair]]
-materials = ["m", "m"]
-stiffness_n_per_m = 2e3
-restitution = 0.6
-friction = 0.5
-[[boundary]]
-name = "drum"
-material = "m"
-geometry = { kind = "cylinder_inside", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], radius_m = 0.03 }
-motion = { kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], angular_velocity = { kind = "constant", rad_per_s = 4.0 } }
-"#,
-    );
-    for (k, (name, geometry)) in shapes.iter().enumerate() {
-        let z = -0.022 + 0.0075 * k as f64;
-        text += &format!(
-            "[[shape]]\nname = \"{name}\"\ngeometry = {{ {geometry} }}\n[[insertion]]\nshape = \"{name}\"\nmaterial = \"m\"\n\
-             placement = {{ method = \"random\", count = 10, region = {{ kind = \"box\", min_m = [-0.012, -0.012, {z:?}], max_m = [0.012, 0.012, {:?}] }} }}\n",
-            z + 0.0072
-        );
-    }
-    text
+    mixed_drum(1e-5, &shapes, &Filling { count: 10, lines: "", half: [0.012, 0.012], heights: [0.0075, 0.0072] })
 }
 
 fn rounded_cube(half: f64, radius: f64) -> String {

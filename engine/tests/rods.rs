@@ -2,50 +2,25 @@
 
 mod common;
 
-use common::{engine, hashes_of};
+use common::{Filling, engine, hashes_of, mixed_drum};
 
 /// Slender and stout rods with balls among them, in a turning drum that is periodic along its axis.
 fn drum() -> String {
-    let mut text = String::from(
-        r#"
-[scene]
-name = "drum"
-gravity_m_per_s2 = [0.0, 0.0, -9.81]
-time_step_s = 2e-5
-seed = 5
-[domain]
-min_m = [0.0, -0.012, 0.0]
-max_m = [0.0, 0.012, 0.0]
-periodic = [false, true, false]
-[[material]]
-name = "m"
-density_kg_per_m3 = 2470.0
-[[material_pair]]
-materials = ["m", "m"]
-stiffness_n_per_m = 2e3
-restitution = 0.6
-friction = 0.5
-[[boundary]]
-name = "drum"
-material = "m"
-geometry = { kind = "cylinder_inside", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], radius_m = 0.03 }
-motion = { kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], angular_velocity = { kind = "constant", rad_per_s = 4.0 } }
-"#,
-    );
     let rod = |radius: f64, length: f64| {
         format!("kind = \"spherocylinder\", radius_m = {radius:?}, total_length_m = {length:?}")
     };
     let shapes =
         [("rod", rod(1e-3, 6e-3)), ("stout", rod(1.5e-3, 4e-3)), ("ball", "kind = \"sphere\", radius_m = 2e-3".into())];
-    for (k, (name, geometry)) in shapes.iter().enumerate() {
-        let z = -0.022 + 0.012 * k as f64;
-        text += &format!(
-            "[[shape]]\nname = \"{name}\"\ngeometry = {{ {geometry} }}\n[[insertion]]\nshape = \"{name}\"\nmaterial = \"m\"\nscale = {{ min = 0.8, max = 1.2 }}\n\
-             placement = {{ method = \"random\", count = 40, region = {{ kind = \"box\", min_m = [-0.014, -0.015, {z:?}], max_m = [0.014, 0.015, {:?}] }} }}\n",
-            z + 0.0115
-        );
-    }
-    text
+    mixed_drum(
+        2e-5,
+        &shapes,
+        &Filling {
+            count: 40,
+            lines: "scale = { min = 0.8, max = 1.2 }",
+            half: [0.014, 0.015],
+            heights: [0.012, 0.0115],
+        },
+    )
 }
 
 fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {

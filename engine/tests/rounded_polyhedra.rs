@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{engine, hashes_of, header, plane, shape, steps};
+use common::{Filling, engine, hashes_of, header, mixed_drum, plane, shape, steps};
 use sturz_engine::Engine;
 use sturz_engine::scene::{Scene, SceneDescription};
 
@@ -25,41 +25,7 @@ fn drum() -> String {
         ("rod", "kind = \"spherocylinder\", radius_m = 1e-3, total_length_m = 5e-3".into()),
         ("cube", "kind = \"cube\", edge_m = 3e-3".into()),
     ];
-    let mut text = String::from(
-        r#"
-[scene]
-name = "drum"
-gravity_m_per_s2 = [0.0, 0.0, -9.81]
-time_step_s = 2e-5
-seed = 3
-[domain]
-min_m = [0.0, -0.012, 0.0]
-max_m = [0.0, 0.012, 0.0]
-periodic = [false, true, false]
-[[material]]
-name = "m"
-density_kg_per_m3 = 2470.0
-[[material_pair]]
-materials = ["m", "m"]
-stiffness_n_per_m = 2e3
-restitution = 0.6
-friction = 0.5
-[[boundary]]
-name = "drum"
-material = "m"
-geometry = { kind = "cylinder_inside", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], radius_m = 0.03 }
-motion = { kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], angular_velocity = { kind = "constant", rad_per_s = 4.0 } }
-"#,
-    );
-    for (k, (name, geometry)) in shapes.iter().enumerate() {
-        let z = -0.022 + 0.009 * k as f64;
-        text += &format!(
-            "[[shape]]\nname = \"{name}\"\ngeometry = {{ {geometry} }}\n[[insertion]]\nshape = \"{name}\"\nmaterial = \"m\"\n\
-             placement = {{ method = \"random\", count = 12, region = {{ kind = \"box\", min_m = [-0.012, -0.015, {z:?}], max_m = [0.012, 0.015, {:?}] }} }}\n",
-            z + 0.0085
-        );
-    }
-    text
+    mixed_drum(2e-5, &shapes, &Filling { count: 12, lines: "", half: [0.012, 0.015], heights: [0.009, 0.0085] })
 }
 
 fn hashes(threads: usize, drop_caches_every: u64) -> Vec<u64> {

@@ -119,6 +119,16 @@ def test_ctrl_c_in_a_window_pauses_the_simulation(space: sturz.Simulation, scrip
     assert space.info().state is sturz.RunState.PAUSED
 
 
+def test_ctrl_c_that_does_not_wake_the_waiting_thread_pauses_too(space: sturz.Simulation, script: Script) -> None:
+    # As when it comes between the last look at signals and the wait: another thread takes it here.
+    drop(space)
+    taken = "import signal, threading; t = threading.Timer(1.0, lambda: signal.raise_signal(signal.SIGINT)); "
+    client = script(taken + "t.daemon = True; t.start()\n" + LONG_WINDOW, space.instance, space.endpoint)
+    _, said = client.communicate(timeout=20)
+    assert "KeyboardInterrupt" in said
+    assert space.info().state is sturz.RunState.PAUSED
+
+
 def test_a_daemon_ends_with_the_program_that_launched_it(tmp_path: Path, script: Script) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(SPACE)

@@ -128,3 +128,57 @@ pub fn hashes_of(
     };
     (0..stretches).map(|_| stretch()).collect()
 }
+
+/// How the layers of a [`mixed_drum`] are filled, one over the other.
+pub struct Filling {
+    /// Particles of a layer.
+    pub count: u32,
+    /// More lines of each insertion.
+    pub lines: &'static str,
+    /// Half the width and half the length of a layer, m.
+    pub half: [f64; 2],
+    /// From one layer to the next, and thickness, m.
+    pub heights: [f64; 2],
+}
+
+/// Particles of several shapes in a turning drum that is periodic along its axis.
+pub fn mixed_drum(time_step_s: f64, shapes: &[(&str, String)], filling: &Filling) -> String {
+    let mut text = format!(
+        r#"
+[scene]
+name = "drum"
+gravity_m_per_s2 = [0.0, 0.0, -9.81]
+time_step_s = {time_step_s:?}
+seed = 3
+[domain]
+min_m = [0.0, -0.012, 0.0]
+max_m = [0.0, 0.012, 0.0]
+periodic = [false, true, false]
+[[material]]
+name = "m"
+density_kg_per_m3 = 2470.0
+[[material_pair]]
+materials = ["m", "m"]
+stiffness_n_per_m = 2e3
+restitution = 0.6
+friction = 0.5
+[[boundary]]
+name = "drum"
+material = "m"
+geometry = {{ kind = "cylinder_inside", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], radius_m = 0.03 }}
+motion = {{ kind = "rotation", point_m = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], angular_velocity = {{ kind = "constant", rad_per_s = 4.0 }} }}
+"#
+    );
+    let Filling { count, lines, half: [x, y], heights: [step, thick] } = filling;
+    for (k, (name, geometry)) in shapes.iter().enumerate() {
+        let z = -0.022 + step * k as f64;
+        text += &format!(
+            "[[shape]]\nname = \"{name}\"\ngeometry = {{ {geometry} }}\n[[insertion]]\nshape = \"{name}\"\nmaterial = \"m\"\n{lines}\n\
+             placement = {{ method = \"random\", count = {count}, region = {{ kind = \"box\", min_m = [{:?}, {:?}, {z:?}], max_m = [{x:?}, {y:?}, {:?}] }} }}\n",
+            -x,
+            -y,
+            z + thick
+        );
+    }
+    text
+}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import math
 import queue
 import threading
 import time
@@ -32,6 +33,8 @@ from .target import Loss, Target
 
 # Longer than any run; zenoh wants a number.
 _NO_LIMIT_S = 1e7
+# Longest wait in one piece.
+_SLICE_S = 0.5
 _LAST_WORDS_S = 0.2
 _LET_GO_S = 2.0
 _GONE = "gone"
@@ -223,10 +226,15 @@ class Bus:
     def _answer(
         self, key: str, answers: queue.SimpleQueue[Any], deadline: float | None, timeout_s: float | None
     ) -> bytes:
-        try:
-            answer = answers.get(timeout=None if deadline is None else max(deadline - time.monotonic(), 0.0))
-        except queue.Empty:
-            raise Timeout(f"{key}: no answer within {timeout_s:g} s") from None
+        answer = None
+        while answer is None:
+            left = math.inf if deadline is None else max(deadline - time.monotonic(), 0.0)
+            try:
+                # In slices: a Ctrl-C that comes just before a wait does not end it.
+                answer = answers.get(timeout=min(left, _SLICE_S))
+            except queue.Empty:
+                if left <= _SLICE_S:
+                    raise Timeout(f"{key}: no answer within {timeout_s:g} s") from None
         if answer is _END:
             raise self._no_answer(key)
         if answer is _GONE:
