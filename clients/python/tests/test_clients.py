@@ -23,7 +23,9 @@ def script() -> Iterator[Script]:
     with contextlib.ExitStack() as stack:
 
         def start(text: str, *arguments: str) -> "subprocess.Popen[str]":
-            command = [sys.executable, "-c", text, *arguments]
+            # A job in the background of a shell ignores Ctrl-C, and so would its children.
+            heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            command = [sys.executable, "-c", heard + text, *arguments]
             process = subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             stack.enter_context(process)
             stack.callback(process.kill)
