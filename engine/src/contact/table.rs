@@ -22,7 +22,7 @@ pub(super) fn least_chunks(slots: usize, ns_each: usize) -> usize {
 /// What a slot pairs; slots of one kind are contiguous. Two spheres have no slot: see [`SpherePairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SlotKind {
-    /// Two spherocylinders, or one and a sphere, each alone and about its centre.
+    /// Two spherocylinders or spheres, each alone and about its centre, that the sphere pass does not take.
     Rods,
     /// Two convex parts that are neither of the above.
     Parts,

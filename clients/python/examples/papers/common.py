@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 
 import sturz
@@ -270,7 +272,7 @@ def settle(
 @contextmanager
 def figure(path: Path, width_in: float = 6.4, height_in: float = 3.6, **grid: Any) -> Iterator[Any]:
     """Axes of a figure that is written as PNG and SVG: `figure(path, ncols=2)` gives an array of them."""
-    with look():
+    with look(), matplotlib.rc_context({"svg.fonttype": "none"}):
         drawing = new_figure(width_in, height_in, 150)
         axes = drawing.subplots(**grid)
         for each in np.ravel(axes):
@@ -278,7 +280,19 @@ def figure(path: Path, width_in: float = 6.4, height_in: float = 3.6, **grid: An
             each.grid(True, color=FAINT, alpha=0.18, linewidth=0.5)
         yield axes
         drawing.savefig(path.with_suffix(".png"))
-        drawing.savefig(path.with_suffix(".svg"))
+        drawing.savefig(path.with_suffix(".svg"), metadata={"Date": None})
+    slim(path.with_suffix(".svg"))
+
+
+def slim(path: Path) -> None:
+    """Shortens the paths of an SVG to tenths of a point, for the report that holds all of them."""
+    text = re.sub(r"<metadata>.*?</metadata>", "", path.read_text(), flags=re.DOTALL)
+    short = re.compile(r"(\.\d)\d+")
+    text = re.sub(r'\b(d|x|y|transform)="[^"]*"', lambda d: " ".join(short.sub(r"\1", d[0]).split()), text)
+    text = re.sub(r'style="[^"]*"', lambda style: style[0].replace(": ", ":").replace("; ", ";"), text)
+    # names of groups, which nothing refers to
+    text = re.sub(r'<g id="[^"]*"', "<g", re.sub(r"<!--.*?-->", "", text))
+    path.write_text(re.sub(r"\n\s*", "\n", text))
 
 
 def portrait(opts: Options, run: Run, name: str, title: str) -> None:
